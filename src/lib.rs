@@ -1,6 +1,33 @@
 //! pelage renders hair and fur inside other people's programs.
 
 pub mod error;
+mod composite;
+mod frame;
+mod geometry;
+mod gpu;
 pub mod groom;
+pub mod host;
+mod layout;
+mod light;
+mod plan;
+pub mod raster;
+mod renderer;
+mod resources;
+mod shader;
+pub mod shading;
+pub mod shadow;
+mod statistics;
+pub mod transparency;
+mod view;
 
 pub use error::{Error, Result};
+pub use frame::{Frame, Target};
+pub use geometry::Hair;
+pub use glam;
+pub use layout::MAX_LIGHTS;
+pub use light::{Light, LightKind};
+pub use raster::Raster;
+pub use renderer::Renderer;
+pub use statistics::{Fragments, PassTime, Statistics};
+pub use view::View;
+pub use wgpu;

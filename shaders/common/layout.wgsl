@@ -1,0 +1,150 @@
+// Every struct that Rust and WGSL share. `src/layout.rs` holds the same fields in the same order; a test compares
+// sizes and offsets as naga reads them.
+
+// One dispatch or draw: a run of one hair's strands, as a view or a light sees it. Relative space is world space
+// with the eye of the frame's view as its origin, so that large world coordinates cost no precision.
+struct Drawing {
+    clip_from_relative: mat4x4f,
+    relative_from_object: mat4x4f,
+    // Position of the eye (w = 1) or direction towards it (w = 0), in relative space.
+    eye: vec4f,
+    // Stored depth = dot(depth_row, position), over w where DRAWING_DEPTH_OVER_W is set.
+    depth_row: vec4f,
+    // Pixels or texels.
+    viewport: vec2f,
+    // Length in relative space of a length of one in object space.
+    radius_scale: f32,
+    opacity: f32,
+    // Number of points of the run, and where the run starts among the frame's pooled points.
+    point_count: u32,
+    point_base: u32,
+    flags: u32,
+    // Workgroups that share one segment's pixels (wide fibres).
+    splits: u32,
+    // First word of this light's fronts and of its layers in the shadow maps, and layers a texel.
+    front_base: u32,
+    layer_base: u32,
+    layer_count: u32,
+    // Depth beyond the front at which the last layer ends, in host units along the light's axis.
+    layer_extent: f32,
+    // Rows of the view that this pass treats; pooled pixels are numbered from `row_first`.
+    row_first: u32,
+    row_end: u32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
+const DRAWING_DEPTH_OVER_W: u32 = 1u;
+const DRAWING_REVERSE_Z: u32 = 2u;
+const DRAWING_HOST_DEPTH: u32 = 4u;
+
+struct Light {
+    // Position (w = 1) or direction towards the light (w = 0), in relative space.
+    place: vec4f,
+    // Irradiance on a plane facing it, or intensity (w = 1).
+    power: vec3f,
+    // Maps of this light: none where it casts no shadow, 1, or 6 as a cube.
+    map_count: u32,
+    map_first: u32,
+    resolution: u32,
+    // Width of the filter in texels.
+    pcf: u32,
+    layer_count: u32,
+    layer_extent: f32,
+    // Depth by which a shaded point is moved towards the light.
+    bias: f32,
+    padding_0: f32,
+    padding_1: f32,
+}
+
+struct ShadowView {
+    clip_from_relative: mat4x4f,
+    // Distance along the map's axis = dot(depth_row, position).
+    depth_row: vec4f,
+    front_base: u32,
+    layer_base: u32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
+struct Frame {
+    ambient: vec3f,
+    light_count: u32,
+    // Position of the eye (w = 1) or direction towards it (w = 0), in relative space.
+    eye: vec4f,
+    // Relative space from clip space, to find the point that a host's depth stands for.
+    relative_from_clip: mat4x4f,
+    width: u32,
+    height: u32,
+    // Fragments that the pool holds.
+    capacity: u32,
+    flags: u32,
+    // Steps a unit of radiance of the overflow tail's fixed-point colours.
+    tail_scale: f32,
+    padding_0: f32,
+    padding_1: f32,
+    padding_2: f32,
+    lights: array<Light, MAX_LIGHTS>,
+    shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
+}
+
+const FRAME_REVERSE_Z: u32 = 1u;
+
+// The parameters of a hair's shading model, in the order in which its file reads them.
+struct Material {
+    values: array<vec4f, 8>,
+}
+
+// Counters of a frame, read back by the host some frames later.
+struct Counters {
+    produced: atomic<u32>,
+    culled: atomic<u32>,
+    stored: atomic<u32>,
+    merged: atomic<u32>,
+    // 1 where the pool is too small for this frame.
+    overflow: atomic<u32>,
+    // Fragments for which a pass counted no room: a fault of the library, zero in every test.
+    mismatched: atomic<u32>,
+    covered: atomic<u32>,
+    padding_0: u32,
+}
+
+// A strand's point as the host gave it.
+struct Point {
+    position: vec3f,
+    radius: f32,
+}
+
+// `strand` holds the strand's number and the two flags below.
+struct PointAttributes {
+    strand: u32,
+    // Root-to-tip coordinate.
+    coordinate: f32,
+}
+
+const POINT_FIRST: u32 = 0x80000000u;
+const POINT_LAST: u32 = 0x40000000u;
+const POINT_STRAND: u32 = 0x3fffffffu;
+
+// A point as a view or a light sees it: position in pixels, depth, half-width in pixels.
+struct Projected {
+    position: vec2f,
+    depth: f32,
+    half_width: f32,
+}
+
+// `bisector` is the unit normal of the plane that parts the point's two segments (2 × snorm16).
+struct ProjectedAttributes {
+    bisector: u32,
+    // PROJECTED_… below, and the opacity (unorm16) in the lower half.
+    flags: u32,
+}
+
+const PROJECTED_FIRST: u32 = 0x80000000u;
+const PROJECTED_LAST: u32 = 0x40000000u;
+// The turn is so sharp that both segments end here.
+const PROJECTED_BREAK: u32 = 0x20000000u;
+// Behind the near plane; the next two say for which segment the near plane's crossing is stored instead.
+const PROJECTED_BEHIND: u32 = 0x10000000u;
+const PROJECTED_CUT_START: u32 = 0x08000000u;
+const PROJECTED_CUT_END: u32 = 0x04000000u;

@@ -1,0 +1,118 @@
+// Strand points → points on the screen or on a light's map: position and half-width in pixels, depth, and the plane
+// that parts the two segments of each joint.
+//
+// The half-width is that of the silhouette: with o = normalize(T × V), T the strand's tangent and V the way to the
+// eye, it is the distance of the projection of P + r·o from the projected axis. Written as the exact difference
+// r (c_xy - ndc c_w) / (w + r c_w), c = M (o, 0), it does not cancel for fibres of 0.01 px.
+
+@group(1) @binding(0) var<storage, read> points: array<Point>;
+@group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
+@group(1) @binding(2) var<storage, read_write> projected_out: array<Projected>;
+@group(1) @binding(3) var<storage, read_write> projected_attributes_out: array<ProjectedAttributes>;
+
+// Points closer than this on the screen give no direction.
+const PROJECT_COINCIDENT_PX: f32 = 1e-4;
+// How many coincident neighbours are passed over in search of a direction.
+const PROJECT_SEARCH: u32 = 8u;
+
+fn project_relative(index: u32) -> vec3f {
+    return (drawing.relative_from_object * vec4f(points[index].position, 1.0)).xyz;
+}
+
+fn project_clip(position: vec3f) -> vec4f {
+    return drawing.clip_from_relative * vec4f(position, 1.0);
+}
+
+// Positive in front of the near plane.
+fn project_near_distance(clip: vec4f) -> f32 {
+    return select(clip.z, clip.w - clip.z, (drawing.flags & DRAWING_REVERSE_Z) != 0u);
+}
+
+fn project_pixel(clip: vec4f) -> vec2f {
+    let ndc = clip.xy / clip.w;
+    return vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * drawing.viewport;
+}
+
+// Where the segment between two points crosses the near plane.
+fn project_cut(behind: vec3f, before: vec3f) -> vec3f {
+    let g0 = project_near_distance(project_clip(behind));
+    let g1 = project_near_distance(project_clip(before));
+    return mix(behind, before, clamp(g0 / (g0 - g1), 0.0, 1.0));
+}
+
+// Unit direction on the screen from `position` towards the next distinct point on one side; zero where there is none.
+fn project_direction(index: u32, position: vec3f, forward: bool) -> vec2f {
+    let here = project_pixel(project_clip(position));
+    var at = index;
+    for (var step = 0u; step < PROJECT_SEARCH; step++) {
+        let stop = select(POINT_FIRST, POINT_LAST, forward);
+        if (attributes[at].strand & stop) != 0u { break; }
+        at = select(at - 1u, at + 1u, forward);
+        var neighbour = project_relative(at);
+        let cut = project_near_distance(project_clip(neighbour)) < 0.0;
+        if cut { neighbour = project_cut(neighbour, position); }
+        let offset = project_pixel(project_clip(neighbour)) - here;
+        let distance = length(offset);
+        if distance > PROJECT_COINCIDENT_PX { return offset / distance; }
+        if cut { break; }
+    }
+    return vec2f(0.0);
+}
+
+@compute @workgroup_size(64)
+fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = invocation.x + invocation.y * groups.x * 64u;
+    if index >= drawing.point_count { return; }
+    let strand = attributes[index].strand;
+    let is_first = (strand & POINT_FIRST) != 0u;
+    let is_last = (strand & POINT_LAST) != 0u;
+    var flags = select(0u, PROJECTED_FIRST, is_first) | select(0u, PROJECTED_LAST, is_last);
+    var position = project_relative(index);
+    var radius = points[index].radius;
+
+    // Behind the near plane the point stands for its segment's crossing, the following segment's before the last's.
+    if project_near_distance(project_clip(position)) < 0.0 {
+        flags |= PROJECTED_BEHIND;
+        let behind = position;
+        for (var side = 0u; side < 2u; side++) {
+            let forward = side == 0u;
+            if select(is_first, is_last, forward) { continue; }
+            let neighbour = project_relative(select(index - 1u, index + 1u, forward));
+            if project_near_distance(project_clip(neighbour)) >= 0.0 {
+                position = project_cut(behind, neighbour);
+                flags |= select(PROJECTED_CUT_END, PROJECTED_CUT_START, forward);
+                break;
+            }
+        }
+    }
+
+    var before = vec2f(0.0);
+    var after = vec2f(0.0);
+    if (flags & PROJECTED_CUT_START) == 0u { before = project_direction(index, position, false); }
+    if (flags & PROJECTED_CUT_END) == 0u { after = project_direction(index, position, true); }
+    if dot(before, after) < -0.5 { flags |= PROJECTED_BREAK; }
+    let sum = before + after;
+    let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
+
+    // The strand's tangent in relative space.
+    let previous = project_relative(select(index - 1u, index, is_first));
+    let next = project_relative(select(index + 1u, index, is_last));
+    let to_eye = drawing.eye.xyz - position * drawing.eye.w;
+    let side = cross(next - previous, to_eye);
+    let side_length = length(side);
+    let clip = project_clip(position);
+    var half_width = 0.0;
+    if side_length > 0.0 && clip.w > 0.0 {
+        let r = radius * drawing.radius_scale;
+        let c = drawing.clip_from_relative * vec4f(side / side_length, 0.0);
+        let ndc = clip.xy / clip.w;
+        let offset = r * (c.xy - ndc * c.w) / (clip.w + r * c.w) * 0.5 * drawing.viewport * vec2f(1.0, -1.0);
+        half_width = select(length(offset), abs(dot(offset, vec2f(bisector.y, -bisector.x))), dot(sum, sum) > 1e-8);
+    }
+
+    let depth = dot(drawing.depth_row, vec4f(position, 1.0));
+    let over_w = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u;
+    projected_out[index] = Projected(project_pixel(clip), select(depth, depth / clip.w, over_w), half_width);
+    let opacity = u32(clamp(drawing.opacity, 0.0, 1.0) * 65535.0 + 0.5);
+    projected_attributes_out[index] = ProjectedAttributes(pack2x16snorm(bisector), flags | opacity);
+}

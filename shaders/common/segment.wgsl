@@ -1,0 +1,115 @@
+// A strand's segment on the screen or on a light's map, and the fragment that it leaves in a pixel.
+//
+// One fragment per strand per crossing: a segment owns the pixels whose centres lie between the bisector planes at its
+// ends. There its coverage is that of the unbounded band, clipped only at the strand's own ends. Both segments of a
+// joint evaluate the same plane, so that every pixel has exactly one owner.
+
+@group(1) @binding(0) var<storage, read> projected: array<Projected>;
+@group(1) @binding(1) var<storage, read> projected_attributes: array<ProjectedAttributes>;
+
+struct Segment {
+    start: vec2f,
+    end: vec2f,
+    tangent: vec2f,
+    normal: vec2f,
+    start_plane: vec2f,
+    end_plane: vec2f,
+    length: f32,
+    inverse_length: f32,
+    start_half_width: f32,
+    end_half_width: f32,
+    start_depth: f32,
+    end_depth: f32,
+    opacity: f32,
+    starts: bool,
+    ends: bool,
+    valid: bool,
+    footprint: Footprint,
+}
+
+struct Fragment {
+    // Depth as the view stores it, from 0 to 1; distance along the axis on a light's map.
+    depth: f32,
+    // Place along the segment, from 0 to 1.
+    along: f32,
+    coverage: f32,
+    // The fibre's opacity × coverage.
+    opacity: f32,
+    // Number of the segment's first point among the frame's pooled points.
+    point: u32,
+}
+
+// Joints of the screen's polyline that turn by more than 120° are stored as breaks; see project.wgsl.
+fn segment(index: u32) -> Segment {
+    var s: Segment;
+    s.valid = false;
+    let flags = projected_attributes[index].flags;
+    if (flags & PROJECTED_LAST) != 0u || index + 1u >= drawing.point_count { return s; }
+    let next_flags = projected_attributes[index + 1u].flags;
+    if (flags & (PROJECTED_BEHIND | PROJECTED_CUT_START)) == PROJECTED_BEHIND { return s; }
+    if (next_flags & (PROJECTED_BEHIND | PROJECTED_CUT_END)) == PROJECTED_BEHIND { return s; }
+    let p = projected[index];
+    let q = projected[index + 1u];
+    s.start = p.position;
+    s.end = q.position;
+    s.start_plane = unpack2x16snorm(projected_attributes[index].bisector);
+    s.end_plane = unpack2x16snorm(projected_attributes[index + 1u].bisector);
+    let offset = q.position - p.position;
+    s.length = length(offset);
+    if s.length > 1e-6 {
+        s.tangent = offset / s.length;
+        s.inverse_length = 1.0 / s.length;
+    } else {
+        s.tangent = normalize(s.start_plane);
+        s.inverse_length = 0.0;
+    }
+    s.normal = vec2f(s.tangent.y, -s.tangent.x);
+    s.start_half_width = p.half_width;
+    s.end_half_width = q.half_width;
+    s.start_depth = p.depth;
+    s.end_depth = q.depth;
+    s.opacity = f32(flags & 0xffffu) / 65535.0;
+    s.starts = (flags & (PROJECTED_FIRST | PROJECTED_BREAK | PROJECTED_CUT_START)) != 0u;
+    s.ends = (next_flags & (PROJECTED_LAST | PROJECTED_BREAK | PROJECTED_CUT_END)) != 0u;
+    s.footprint = footprint(s.normal);
+    s.valid = max(p.half_width, q.half_width) > 0.0;
+    return s;
+}
+
+// How far from its axis the segment can touch a pixel's centre.
+fn segment_reach(s: Segment) -> f32 {
+    return max(s.start_half_width, s.end_half_width) + s.footprint.support;
+}
+
+// How far beyond an end along the axis owned pixels can lie.
+fn segment_overhang(s: Segment, plane: vec2f, is_end: bool, reach: f32) -> f32 {
+    if is_end { return s.footprint.support; }
+    let along = dot(plane, s.tangent);
+    return reach * abs(dot(plane, s.normal)) / max(along, 0.25);
+}
+
+// The segment's fragment in the pixel with the given centre; its coverage is 0 where there is none.
+fn segment_fragment(s: Segment, index: u32, centre: vec2f) -> Fragment {
+    var fragment: Fragment;
+    fragment.coverage = 0.0;
+    let from_start = centre - s.start;
+    if !s.starts && dot(from_start, s.start_plane) < 0.0 { return fragment; }
+    if !s.ends && dot(centre - s.end, s.end_plane) >= 0.0 { return fragment; }
+    let along = dot(from_start, s.tangent);
+    let across = dot(from_start, s.normal);
+    fragment.along = clamp(along * s.inverse_length, 0.0, 1.0);
+    let half_width = mix(s.start_half_width, s.end_half_width, fragment.along);
+    fragment.coverage = coverage_band(s.footprint, across, half_width);
+    let support = s.footprint.support;
+    let cut_start = s.starts && along < support;
+    let cut_end = s.ends && s.length - along < support;
+    if fragment.coverage > 0.0 && (cut_start || cut_end) {
+        let low = vec2f(-across - half_width, select(-1.0, -along, s.starts));
+        let high = vec2f(-across + half_width, select(1.0, s.length - along, s.ends));
+        fragment.coverage = coverage_rectangle(s.normal, low, high);
+    }
+    fragment.depth = mix(s.start_depth, s.end_depth, fragment.along);
+    fragment.opacity = s.opacity * fragment.coverage;
+    fragment.point = drawing.point_base + index;
+    return fragment;
+}

@@ -1,0 +1,30 @@
+// The hair's shadow on the host's opaque scene: for each pixel with a depth, the part of the light's power that the
+// hair lets through to the point behind it, multiplied into the target's colour.
+//
+// Several lights and the ambient term weigh by their power, which is exact for one light and a white diffuse scene.
+
+@vertex
+fn receive_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
+    let corner = vec2f(f32((vertex << 1u) & 2u), f32(vertex & 2u));
+    return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
+}
+
+@fragment
+fn receive(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+    let depth = textureLoad(host_depth, vec2u(pixel.xy), 0);
+    let far = select(1.0, 0.0, (frame.flags & FRAME_REVERSE_Z) != 0u);
+    if depth == far { discard; }
+    let ndc = vec2f(2.0, -2.0) * pixel.xy / vec2f(f32(frame.width), f32(frame.height)) + vec2f(-1.0, 1.0);
+    let homogeneous = frame.relative_from_clip * vec4f(ndc, depth, 1.0);
+    let position = homogeneous.xyz / homogeneous.w;
+    var total = frame.ambient;
+    var reached = frame.ambient;
+    for (var light = 0u; light < frame.light_count; light++) {
+        let place = frame.lights[light].place;
+        let to_light = place.xyz - position * place.w;
+        let power = frame.lights[light].power * select(1.0, 1.0 / max(dot(to_light, to_light), 1e-20), place.w > 0.0);
+        total += power;
+        reached += power * shadow(position, light).transmittance;
+    }
+    return vec4f(select(vec3f(1.0), reached / max(total, vec3f(1e-20)), total > vec3f(0.0)), 1.0);
+}

@@ -1,0 +1,60 @@
+// Shading at strand points (Kim §5): each point's outgoing radiance towards the eye, once a view; fragments
+// interpolate along their segments. The model's file supplies `scatter` and `scatter_uniform`.
+
+struct Fibre {
+    // Unit, from root to tip, in relative space.
+    tangent: vec3f,
+    // The strand's colour factor.
+    colour: vec3f,
+    // Root-to-tip coordinate.
+    coordinate: f32,
+}
+
+@group(1) @binding(0) var<storage, read> points: array<Point>;
+@group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
+// Linear RGB, 16-bit floats.
+@group(1) @binding(2) var<storage, read> strand_colours: array<vec2u>;
+@group(1) @binding(3) var<storage, read_write> shaded: array<vec2u>;
+
+fn points_relative(index: u32) -> vec3f {
+    return (drawing.relative_from_object * vec4f(points[index].position, 1.0)).xyz;
+}
+
+// Unit tangent by central difference; some unit vector where the strand has no length here.
+fn points_tangent(index: u32, strand: u32) -> vec3f {
+    let previous = points_relative(select(index - 1u, index, (strand & POINT_FIRST) != 0u));
+    let next = points_relative(select(index + 1u, index, (strand & POINT_LAST) != 0u));
+    let offset = next - previous;
+    let size = length(offset);
+    return select(vec3f(0.0, 1.0, 0.0), offset / max(size, 1e-30), size > 1e-30);
+}
+
+@compute @workgroup_size(64)
+fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let index = invocation.x + invocation.y * groups.x * 64u;
+    if index >= drawing.point_count { return; }
+    let strand = attributes[index].strand;
+    let position = points_relative(index);
+    let colour = strand_colours[strand & POINT_STRAND];
+    var fibre: Fibre;
+    fibre.tangent = points_tangent(index, strand);
+    fibre.colour = vec3f(unpack2x16float(colour.x), unpack2x16float(colour.y).x);
+    fibre.coordinate = attributes[index].coordinate;
+    let to_eye = frame.eye.xyz - position * frame.eye.w;
+    let wo = to_eye / max(length(to_eye), 1e-30);
+
+    var radiance = vec3f(0.0);
+    if any(frame.ambient > vec3f(0.0)) { radiance = frame.ambient * scatter_uniform(fibre, wo); }
+    for (var light = 0u; light < frame.light_count; light++) {
+        let place = frame.lights[light].place;
+        let to_light = place.xyz - position * place.w;
+        let distance = max(length(to_light), 1e-20);
+        let falloff = select(1.0, 1.0 / (distance * distance), place.w > 0.0);
+        let visible = shadow(position, light);
+        radiance += frame.lights[light].power * falloff * visible.transmittance
+            * scatter(fibre, to_light / distance, wo, visible);
+    }
+    // The largest 16-bit float; also what becomes of an infinity.
+    radiance = min(max(radiance, vec3f(0.0)), vec3f(65504.0));
+    shaded[drawing.point_base + index] = vec2u(pack2x16float(radiance.xy), pack2x16float(vec2f(radiance.z, 0.0)));
+}

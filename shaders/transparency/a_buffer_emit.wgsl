@@ -1,0 +1,110 @@
+// A-buffer, as the rasterisers fill it. Two storages:
+//
+// Counted arrays: COUNT counts a pixel's fragments, a scan turns counts into places, SCATTER stores.
+// Linked lists (Yang et al. 2010, Hunz algorithm 3): LIST takes a node and makes it the head of its pixel's list.
+//
+// Overflow: what does not fit is merged into the pixel's tail. Counted arrays first give each pixel its share and find,
+// by RANGE and a few rounds of HISTOGRAM, the depth up to which the nearest fragments fill it.
+
+@group(3) @binding(0) var<storage, read_write> counters: Counters;
+// Counted: fragments of a pixel still to be stored. Lists: head of a pixel's list, 0 = none, else node + 1.
+@group(3) @binding(1) var<storage, read_write> fill: array<atomic<u32>>;
+// Counted: first place of a pixel. Lists: next node, as in `fill`.
+@group(3) @binding(2) var<storage, read_write> links: array<u32>;
+@group(3) @binding(3) var<storage, read_write> fragment_keys: array<u32>;
+@group(3) @binding(4) var<storage, read_write> fragment_points: array<u32>;
+// Opacity and place along the segment, 16-bit floats.
+@group(3) @binding(5) var<storage, read_write> fragment_values: array<u32>;
+@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
+@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
+
+const STAGE_COUNT: u32 = 0u;
+const STAGE_RANGE: u32 = 1u;
+const STAGE_HISTOGRAM: u32 = 2u;
+const STAGE_SCATTER: u32 = 3u;
+const STAGE_LIST: u32 = 4u;
+
+var<private> a_buffer_culled: u32;
+var<private> a_buffer_overflowed: bool;
+
+fn emit_begin() -> bool {
+    a_buffer_culled = 0u;
+    if STAGE == STAGE_COUNT || STAGE == STAGE_LIST { return true; }
+    a_buffer_overflowed = atomicLoad(&counters.overflow) != 0u;
+    return STAGE == STAGE_SCATTER || a_buffer_overflowed;
+}
+
+fn emit_end() {
+    if (STAGE == STAGE_COUNT || STAGE == STAGE_LIST) && a_buffer_culled > 0u {
+        atomicAdd(&counters.culled, a_buffer_culled);
+    }
+}
+
+fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
+    fragment_keys[place] = key;
+    fragment_points[place] = fragment.point;
+    fragment_values[place] = pack2x16float(vec2f(fragment.opacity, fragment.along));
+}
+
+// Adds to one sum of a pixel's tail; its carries are counted beside it.
+fn a_buffer_tail_add(pixel: u32, sum: u32, value: f32) {
+    let steps = u32(value + 0.5);
+    let before = atomicAdd(&overflow[pixel * OVERFLOW_WORDS + sum], steps);
+    if before + steps < before {
+        atomicAdd(&overflow[pixel * OVERFLOW_WORDS + TAIL_CARRIES], 1u << (sum * TAIL_CARRY_BITS));
+    }
+}
+
+fn a_buffer_merge(pixel: u32, fragment: Fragment) {
+    let colour = shaded_colour(fragment.point, fragment.along);
+    let steps = min(fragment.opacity * colour * frame.tail_scale, vec3f(TAIL_LARGEST));
+    a_buffer_tail_add(pixel, TAIL_DEPTH, optical_depth(fragment.opacity) * TAIL_DEPTH_SCALE);
+    a_buffer_tail_add(pixel, TAIL_WEIGHT, fragment.opacity * TAIL_WEIGHT_SCALE);
+    a_buffer_tail_add(pixel, TAIL_COLOUR, steps.x);
+    a_buffer_tail_add(pixel, TAIL_COLOUR + 1u, steps.y);
+    a_buffer_tail_add(pixel, TAIL_COLOUR + 2u, steps.z);
+}
+
+fn emit(pixel: vec2u, fragment: Fragment) {
+    if !fragment_in_range(fragment) { return; }
+    let key = depth_key(fragment.depth);
+    if fragment_hidden(pixel, key) {
+        a_buffer_culled += 1u;
+        return;
+    }
+    let number = pixel_number(pixel);
+    let words = number * OVERFLOW_WORDS;
+    if STAGE == STAGE_COUNT {
+        atomicAdd(&fill[number], 1u);
+    } else if STAGE == STAGE_RANGE {
+        atomicMin(&overflow[words + SEARCH_LOW], key);
+        atomicMax(&overflow[words + SEARCH_WIDTH], key);
+    } else if STAGE == STAGE_HISTOGRAM {
+        let low = atomicLoad(&overflow[words + SEARCH_LOW]);
+        let width = atomicLoad(&overflow[words + SEARCH_WIDTH]);
+        if key >= low && key - low < width {
+            atomicAdd(&overflow[words + SEARCH_BINS + (key - low) / search_bin_width(width)], 1u);
+        }
+    } else if STAGE == STAGE_SCATTER {
+        if a_buffer_overflowed && key >= atomicLoad(&overflow[words + TAIL_FIRST_KEY]) {
+            a_buffer_merge(number, fragment);
+            return;
+        }
+        // The count and this pass evaluate the same expressions; should they differ all the same, nothing else suffers.
+        let left = atomicSub(&fill[number], 1u);
+        let place = links[number] + left - 1u;
+        if left == 0u || left > 0x7fffffffu || place >= frame.capacity {
+            atomicAdd(&counters.mismatched, 1u);
+            return;
+        }
+        a_buffer_store(place, key, fragment);
+    } else {
+        let node = atomicAdd(&counters.stored, 1u);
+        if node >= frame.capacity {
+            a_buffer_merge(number, fragment);
+            return;
+        }
+        a_buffer_store(node, key, fragment);
+        links[node] = atomicExchange(&fill[number], node + 1u);
+    }
+}

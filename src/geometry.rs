@@ -1,0 +1,263 @@
+//! Strands → GPU buffers. Strands are ordered along a Morton curve by their midpoints once, on load, so that
+//! neighbouring invocations touch neighbouring pixels; curves are cut into straight segments.
+
+use glam::{DMat4, DVec3, Vec3};
+
+use crate::error::{Error, Result, invalid};
+use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
+use crate::groom::{Curve, Strands, tessellate};
+use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttributes};
+use crate::plan::Plan;
+use crate::resources::Bound;
+use crate::shader::Module;
+use crate::shading::Shading;
+use crate::shadow::Shadow;
+use crate::transparency::Transparency;
+
+/// Runs begin at multiples of this many points, so that their parts of the buffers can be bound.
+const RUN_ALIGNMENT: usize = 64;
+/// The most points of all hairs of a frame: what fits in 24 bits beside a place along the segment.
+pub(crate) const MAX_FRAME_POINTS: u64 = 1 << 24;
+
+/// A part of a hair's points that one dispatch treats: whole strands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub first: u32,
+    pub count: u32,
+}
+
+/// A groom on the GPU, with how it is to be drawn. Made by [`crate::Renderer::create_hair`].
+///
+/// Changing a field takes effect with the next frame recorded. Not shared between renderers.
+#[derive(Debug)]
+pub struct Hair {
+    /// World space from the groom's own space; any invertible affine transform, in double precision.
+    pub world_from_object: DMat4,
+    /// The fibres' own opacity α, from 0 to 1.
+    pub opacity: f32,
+    /// The shading model.
+    pub shading: Shading,
+    /// The shadow technique that this hair wishes for lights that name none.
+    pub shadow: Option<Shadow>,
+    /// The transparency technique that this hair wishes for frames that name none.
+    pub transparency: Option<Transparency>,
+    pub(crate) geometry: Geometry,
+}
+
+/// The GPU's side of a hair.
+#[derive(Debug)]
+pub(crate) struct Geometry {
+    pub serial: u64,
+    pub points: Allocation,
+    pub attributes: Allocation,
+    pub colours: Allocation,
+    pub runs: Vec<Run>,
+    /// Points are stored relative to this position of the groom's own space.
+    pub origin: DVec3,
+    /// Half the extent of the box around all points, whose centre is `origin`.
+    pub half_extent: DVec3,
+    pub max_radius: f64,
+    /// Sum of all segments' lengths.
+    pub length: f64,
+    pub strand_count: u64,
+    pub segment_count: u64,
+    /// What the host gave, and the order of its strands on the GPU.
+    strands: Strands,
+    order: Vec<u32>,
+}
+
+impl Hair {
+    /// The strands as given.
+    pub fn strands(&self) -> &Strands {
+        &self.geometry.strands
+    }
+
+    pub(crate) fn validate(&self, number: usize) -> Result<()> {
+        if !self.world_from_object.is_finite() {
+            return invalid!("hair {number}: world_from_object has an element that is not finite");
+        }
+        let determinant = self.world_from_object.determinant();
+        if determinant == 0.0 || !determinant.is_finite() {
+            return invalid!("hair {number}: world_from_object cannot be inverted: its determinant is {determinant}");
+        }
+        if !(0.0..=1.0).contains(&self.opacity) {
+            return invalid!("hair {number}: opacity {} is not between 0 and 1", self.opacity);
+        }
+        self.shading.validate()?;
+        self.shadow.map_or(Ok(()), |shadow| shadow.validate())?;
+        self.transparency.map_or(Ok(()), |transparency| transparency.validate())
+    }
+}
+
+/// The data that goes into a hair's buffers.
+struct Packed {
+    points: Vec<Point>,
+    attributes: Vec<PointAttributes>,
+    runs: Vec<Run>,
+    origin: DVec3,
+    half_extent: DVec3,
+    max_radius: f64,
+    length: f64,
+    segment_count: u64,
+}
+
+impl Geometry {
+    pub fn new(gpu: &Gpu, strands: &Strands, serial: u64) -> Result<Self> {
+        if strands.strand_count() > POINT_STRAND as usize {
+            return invalid!("{} strands: a hair has at most {POINT_STRAND}", strands.strand_count());
+        }
+        let order = morton_order(strands);
+        let packed = pack(strands, &order, run_limit(gpu))?;
+        let colours: Vec<[u32; 2]> = strands.colours().iter().map(|c| half_colour(*c)).collect();
+        let buffer = |label, bytes: &[u8]| -> Result<Allocation> {
+            let allocation = gpu.storage(label, bytes.len() as u64)?;
+            gpu.queue.write_buffer(&allocation.buffer, 0, bytes);
+            Ok(allocation)
+        };
+        Ok(Self {
+            serial,
+            points: buffer("pelage.geometry.points", bytemuck::cast_slice(&packed.points))?,
+            attributes: buffer("pelage.geometry.attributes", bytemuck::cast_slice(&packed.attributes))?,
+            colours: buffer("pelage.geometry.colours", bytemuck::cast_slice(&colours))?,
+            runs: packed.runs,
+            origin: packed.origin,
+            half_extent: packed.half_extent,
+            max_radius: packed.max_radius,
+            length: packed.length,
+            strand_count: strands.strand_count() as u64,
+            segment_count: packed.segment_count,
+            strands: strands.clone(),
+            order,
+        })
+    }
+
+    /// Replaces every position; see [`Strands::set_points`].
+    pub fn update(&mut self, gpu: &Gpu, points: &[[f32; 3]]) -> Result<()> {
+        let mut strands = self.strands.clone();
+        strands.set_points(points)?;
+        let packed = pack(&strands, &self.order, run_limit(gpu))?;
+        gpu.queue.write_buffer(&self.points.buffer, 0, bytemuck::cast_slice(&packed.points));
+        self.origin = packed.origin;
+        self.half_extent = packed.half_extent;
+        self.length = packed.length;
+        self.strands = strands;
+        Ok(())
+    }
+
+    pub fn point_count(&self) -> u64 {
+        self.runs.iter().map(|run| u64::from(run.count).next_multiple_of(RUN_ALIGNMENT as u64)).sum()
+    }
+}
+
+/// The most points of one run: what one binding of 16-byte points holds.
+fn run_limit(gpu: &Gpu) -> usize {
+    (gpu.max_binding() / 16) as usize / RUN_ALIGNMENT * RUN_ALIGNMENT
+}
+
+fn half_colour(c: [f32; 3]) -> [u32; 2] {
+    let half = |v: f32| u32::from(half::f16::from_f32(v.min(65504.0)).to_bits());
+    [half(c[0]) | half(c[1]) << 16, half(c[2])]
+}
+
+/// Strand numbers in the order of a Morton curve through their middle points.
+fn morton_order(strands: &Strands) -> Vec<u32> {
+    let Some((low, high)) = strands.bounds() else { return Vec::new() };
+    let (low, high) = (Vec3::from(low), Vec3::from(high));
+    let scale = 1023.0 / (high - low).max_element().max(f32::MIN_POSITIVE);
+    let code = |strand: usize| {
+        let range = strands.range(strand);
+        let middle = Vec3::from(strands.points()[(range.start + range.end) / 2]);
+        let cell = ((middle - low) * scale).clamp(Vec3::ZERO, Vec3::splat(1023.0));
+        spread_bits(cell.x as u32) | spread_bits(cell.y as u32) << 1 | spread_bits(cell.z as u32) << 2
+    };
+    let mut order: Vec<(u32, u32)> = (0..strands.strand_count()).map(|strand| (code(strand), strand as u32)).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, strand)| strand).collect()
+}
+
+/// Puts two zero bits between each of the lower ten bits.
+fn spread_bits(value: u32) -> u32 {
+    (0..10).fold(0, |spread, bit| spread | (value >> bit & 1) << (3 * bit))
+}
+
+/// Cuts curves, orders strands, and parts them into runs of at most `limit` points.
+fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
+    let pieces = if strands.curve() == Curve::Polyline { 1 } else { CURVE_PIECES };
+    let cut = if pieces == 1 { None } else { Some(tessellate(strands, pieces)?) };
+    let strands = cut.as_ref().unwrap_or(strands);
+    let (low, high) = strands.bounds().unwrap_or_default();
+    let (low, high) = (Vec3::from(low).as_dvec3(), Vec3::from(high).as_dvec3());
+    let origin = 0.5 * (low + high);
+    let mut packed = Packed {
+        points: Vec::with_capacity(strands.points().len()),
+        attributes: Vec::with_capacity(strands.points().len()),
+        runs: Vec::new(),
+        origin,
+        half_extent: 0.5 * (high - low),
+        max_radius: f64::from(strands.radii().iter().fold(0.0f32, |a, r| a.max(*r))),
+        length: 0.0,
+        segment_count: strands.segment_count() as u64,
+    };
+    let mut run = Run { first: 0, count: 0 };
+    for &strand in order {
+        let range = strands.range(strand as usize);
+        if range.len() > limit {
+            return Err(Error::Unsupported(format!("strand {strand}: {} points; this device binds {limit}", range.len())));
+        }
+        if run.count as usize + range.len() > limit {
+            pad(&mut packed);
+            packed.runs.push(run);
+            run = Run { first: packed.points.len() as u32, count: 0 };
+        }
+        run.count += range.len() as u32;
+        let mut previous: Option<DVec3> = None;
+        for at in range.clone() {
+            let position = Vec3::from(strands.points()[at]).as_dvec3() - origin;
+            packed.length += previous.map_or(0.0, |p| position.distance(p));
+            previous = Some(position);
+            packed.points.push(Point { position: position.as_vec3().into(), radius: strands.radii()[at] });
+            let first = if at == range.start { POINT_FIRST } else { 0 };
+            let last = if at + 1 == range.end { POINT_LAST } else { 0 };
+            packed.attributes.push(PointAttributes { strand: strand | first | last, coordinate: strands.coordinates()[at] });
+        }
+    }
+    if run.count > 0 {
+        pad(&mut packed);
+        packed.runs.push(run);
+    }
+    Ok(packed)
+}
+
+/// Straight pieces of one curved segment.
+const CURVE_PIECES: u32 = 4;
+
+/// Fills up to the alignment with strands of one point, which draw nothing.
+fn pad(packed: &mut Packed) {
+    while !packed.points.len().is_multiple_of(RUN_ALIGNMENT) {
+        packed.points.push(Point { position: [0.0; 3], radius: 0.0 });
+        packed.attributes.push(PointAttributes { strand: POINT_FIRST | POINT_LAST, coordinate: 0.0 });
+    }
+}
+
+/// Projects every run's points for one view or map: each run's drawing says which.
+pub(crate) fn project(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    label: &'static str,
+    drawings: &[u32],
+    plan: &Plan,
+) -> Result<()> {
+    let key = PipelineKey::new("pelage.geometry.project");
+    let pipeline = gpu.compute(key, "project", &[Group::Frame, Group::Project], || Module::new(&["common/project"]))?;
+    passes.compute(label, |pass| {
+        pass.set_pipeline(&pipeline);
+        for ((run, drawing), groups) in plan.runs.iter().zip(drawings).zip(bound.runs) {
+            pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
+            pass.set_bind_group(1, &groups.project, &[]);
+            let (x, y) = workgroups(run.run.count);
+            pass.dispatch_workgroups(x, y, 1);
+        }
+    });
+    Ok(())
+}

@@ -1,0 +1,3 @@
+//! Where devices and targets come from.
+
+pub mod offscreen;

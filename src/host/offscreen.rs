@@ -1,0 +1,264 @@
+//! Offscreen: the library's own device, no window. Falls back to a software adapter.
+
+use glam::Vec4;
+
+use crate::error::{Error, Result, invalid};
+use crate::frame::{Frame, Target};
+use crate::renderer::Renderer;
+use crate::statistics::Statistics;
+
+/// How an offscreen device is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OffscreenOptions {
+    /// Take a software adapter even where a GPU is present.
+    pub force_software: bool,
+    /// Load the validation layer where it is installed; its messages go to the log as errors.
+    pub validation: bool,
+}
+
+/// A device of the library's own, with its renderer.
+pub struct Offscreen {
+    /// The renderer on this device.
+    pub renderer: Renderer,
+    info: wgpu::AdapterInfo,
+}
+
+/// An image to draw into, with an optional depth.
+#[derive(Debug, Clone)]
+pub struct Image {
+    /// `Rgba16Float` or `Rgba32Float`, linear, premultiplied.
+    pub colour: wgpu::Texture,
+    /// `Depth32Float`.
+    pub depth: Option<wgpu::Texture>,
+}
+
+impl Offscreen {
+    /// Opens a device: a GPU if there is one, else a software adapter.
+    ///
+    /// # Errors
+    /// No Vulkan driver at all, or a device that falls short; see [`Renderer::new`].
+    pub fn new(options: &OffscreenOptions) -> Result<Self> {
+        pollster::block_on(Self::open(options))
+    }
+
+    async fn open(options: &OffscreenOptions) -> Result<Self> {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::VULKAN;
+        descriptor.flags = if options.validation {
+            wgpu::InstanceFlags::VALIDATION | wgpu::InstanceFlags::DEBUG
+        } else {
+            wgpu::InstanceFlags::empty()
+        };
+        let instance = wgpu::Instance::new(descriptor);
+        let mut request = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            force_fallback_adapter: options.force_software,
+            ..Default::default()
+        };
+        let mut adapter = instance.request_adapter(&request).await;
+        if adapter.is_err() {
+            request.force_fallback_adapter = true;
+            adapter = instance.request_adapter(&request).await;
+        }
+        let adapter = adapter.map_err(|error| {
+            Error::Unsupported(format!(
+                "no Vulkan driver was found ({error}); on Debian, install mesa-vulkan-drivers for a software one"
+            ))
+        })?;
+        let wanted = wgpu::Features::FLOAT32_BLENDABLE;
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("pelage"),
+                required_features: adapter.features() & wanted,
+                required_limits: adapter.limits(),
+                ..Default::default()
+            })
+            .await
+            .map_err(|error| Error::Unsupported(format!("the adapter gives no device: {error}")))?;
+        device.on_uncaptured_error(std::sync::Arc::new(|error| log::error!("{error}")));
+        Ok(Self { renderer: Renderer::new(&device, &queue)?, info: adapter.get_info() })
+    }
+
+    /// Name and driver of the adapter.
+    pub fn adapter_info(&self) -> &wgpu::AdapterInfo {
+        &self.info
+    }
+
+    /// Makes an image of `width` × `height` pixels, cleared to zero, with a depth at `depth` (1 is far) if asked for.
+    ///
+    /// # Errors
+    /// A size of zero or beyond the device's largest; another format than the two of [`Image`]; no memory.
+    pub fn create_image(
+        &self,
+        width: u32,
+        height: u32,
+        format: wgpu::TextureFormat,
+        with_depth: bool,
+    ) -> Result<Image> {
+        let device = self.renderer.device();
+        let largest = device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 || width > largest || height > largest {
+            return invalid!("an image of {width}×{height} pixels; sides from 1 to {largest} are possible");
+        }
+        if !matches!(format, wgpu::TextureFormat::Rgba16Float | wgpu::TextureFormat::Rgba32Float) {
+            return invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float are possible");
+        }
+        use wgpu::TextureUsages as Usage;
+        let texture = |format, label| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING | Usage::COPY_SRC | Usage::COPY_DST,
+                view_formats: &[],
+            })
+        };
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let image = Image {
+            colour: texture(format, "pelage.image.colour"),
+            depth: with_depth.then(|| texture(wgpu::TextureFormat::Depth32Float, "pelage.image.depth")),
+        };
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            return Err(Error::OutOfMemory(format!("an image of {width}×{height} pixels: {error}")));
+        }
+        if let Some(depth) = &image.depth {
+            self.clear_depth(depth);
+        }
+        Ok(image)
+    }
+
+    /// Sets a depth to far.
+    fn clear_depth(&self, depth: &wgpu::Texture) {
+        let view = depth.create_view(&Default::default());
+        let mut encoder = self.renderer.device().create_command_encoder(&Default::default());
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("pelage.image.clear_depth"),
+            color_attachments: &[],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &view,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        self.renderer.queue().submit([encoder.finish()]);
+    }
+
+    /// Records, submits and waits; the frame's own statistics.
+    ///
+    /// # Errors
+    /// As [`Renderer::record`]; a lost device.
+    pub fn render(&mut self, frame: &Frame, target: &Target) -> Result<Statistics> {
+        let mut encoder = self.renderer.device().create_command_encoder(&Default::default());
+        self.renderer.record(&mut encoder, frame, target)?;
+        self.renderer.queue().submit([encoder.finish()]);
+        self.renderer.wait()?;
+        Ok(self.renderer.statistics())
+    }
+
+    /// Reads a colour image back, row 0 at the top. Waits for the GPU.
+    ///
+    /// # Errors
+    /// An image of another format than the two of [`Image`]; a lost device.
+    pub fn read_colour(&mut self, colour: &wgpu::Texture) -> Result<Vec<Vec4>> {
+        let bytes = self.read_texture(colour)?;
+        match colour.format() {
+            wgpu::TextureFormat::Rgba32Float => Ok(bytemuck::pod_collect_to_vec::<u8, f32>(&bytes)
+                .chunks_exact(4)
+                .map(Vec4::from_slice)
+                .collect()),
+            wgpu::TextureFormat::Rgba16Float => Ok(bytemuck::pod_collect_to_vec::<u8, u16>(&bytes)
+                .chunks_exact(4)
+                .map(|c| Vec4::from_array(std::array::from_fn(|i| half::f16::from_bits(c[i]).to_f32())))
+                .collect()),
+            format => invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float can be read"),
+        }
+    }
+
+    /// Reads a depth image back, row 0 at the top. Waits for the GPU.
+    ///
+    /// # Errors
+    /// An image of another format than `Depth32Float`; a lost device.
+    pub fn read_depth(&mut self, depth: &wgpu::Texture) -> Result<Vec<f32>> {
+        if depth.format() != wgpu::TextureFormat::Depth32Float {
+            return invalid!("a depth of format {:?}; Depth32Float can be read", depth.format());
+        }
+        Ok(bytemuck::pod_collect_to_vec(&self.read_texture(depth)?))
+    }
+
+    /// A texture's texels, rows packed.
+    fn read_texture(&mut self, texture: &wgpu::Texture) -> Result<Vec<u8>> {
+        let device = self.renderer.device();
+        let texel = texture.format().block_copy_size(Some(wgpu::TextureAspect::All)).unwrap_or(4);
+        let row = texture.width() * texel;
+        let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("pelage.image.read"),
+            size: u64::from(stride) * u64::from(texture.height()),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride), rows_per_image: None },
+            },
+            texture.size(),
+        );
+        self.renderer.queue().submit([encoder.finish()]);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver outlives the wait below.
+            sender.send(result).ok();
+        });
+        self.renderer.wait()?;
+        match receiver.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(Error::DeviceLost(error.to_string())),
+            Err(error) => return Err(Error::DeviceLost(error.to_string())),
+        }
+        let mapped = buffer.get_mapped_range(..).map_err(|error| Error::DeviceLost(error.to_string()))?;
+        Ok(mapped.chunks_exact(stride as usize).flat_map(|line| &line[..row as usize]).copied().collect())
+    }
+
+    /// Writes a colour image, row 0 at the top: the opaque scene under the hair.
+    ///
+    /// # Errors
+    /// Another number of pixels than the image has; another format than the two of [`Image`].
+    pub fn write_colour(&mut self, colour: &wgpu::Texture, pixels: &[Vec4]) -> Result<()> {
+        let bytes: Vec<u8> = match colour.format() {
+            wgpu::TextureFormat::Rgba32Float => bytemuck::cast_slice(pixels).to_vec(),
+            wgpu::TextureFormat::Rgba16Float => pixels
+                .iter()
+                .flat_map(|p| p.to_array())
+                .flat_map(|v| half::f16::from_f32(v).to_bits().to_ne_bytes())
+                .collect(),
+            format => return invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float can be written"),
+        };
+        self.write_texture(colour, &bytes, pixels.len())
+    }
+
+    /// Copies packed rows into a texture.
+    fn write_texture(&mut self, texture: &wgpu::Texture, bytes: &[u8], count: usize) -> Result<()> {
+        let expected = texture.width() as usize * texture.height() as usize;
+        if count != expected {
+            return invalid!("{count} pixels for an image of {}×{}", texture.width(), texture.height());
+        }
+        self.renderer.queue().write_texture(
+            texture.as_image_copy(),
+            bytes,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(bytes.len() as u32 / texture.height()),
+                rows_per_image: None,
+            },
+            texture.size(),
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,141 @@
+//! Every struct shared with WGSL, and nowhere else: `shaders/common/layout.wgsl` holds the same fields in the same
+//! order. A test compares sizes and offsets as naga reads them.
+
+use bytemuck::{Pod, Zeroable};
+
+/// The most lights that one frame takes.
+pub const MAX_LIGHTS: usize = 16;
+/// The most maps that all lights of one frame take; a point light inside the hair takes six.
+pub const MAX_SHADOW_VIEWS: usize = 32;
+/// The distance of uniform blocks, which every device takes.
+pub const UNIFORM_STRIDE: u64 = 256;
+
+pub const DRAWING_DEPTH_OVER_W: u32 = 1;
+pub const DRAWING_REVERSE_Z: u32 = 2;
+pub const DRAWING_HOST_DEPTH: u32 = 4;
+pub const FRAME_REVERSE_Z: u32 = 1;
+pub const POINT_FIRST: u32 = 0x8000_0000;
+pub const POINT_LAST: u32 = 0x4000_0000;
+pub const POINT_STRAND: u32 = 0x3fff_ffff;
+/// Words a pixel of the overflow buffer; `OVERFLOW_WORDS` in WGSL.
+pub const OVERFLOW_WORDS: u64 = 7;
+/// Pixels that one workgroup of the scan treats; `SCAN_BLOCK` in WGSL.
+pub const SCAN_BLOCK: u32 = 2048;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Drawing {
+    pub clip_from_relative: [[f32; 4]; 4],
+    pub relative_from_object: [[f32; 4]; 4],
+    pub eye: [f32; 4],
+    pub depth_row: [f32; 4],
+    pub viewport: [f32; 2],
+    pub radius_scale: f32,
+    pub opacity: f32,
+    pub point_count: u32,
+    pub point_base: u32,
+    pub flags: u32,
+    pub splits: u32,
+    pub front_base: u32,
+    pub layer_base: u32,
+    pub layer_count: u32,
+    pub layer_extent: f32,
+    pub row_first: u32,
+    pub row_end: u32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Light {
+    pub place: [f32; 4],
+    pub power: [f32; 3],
+    pub map_count: u32,
+    pub map_first: u32,
+    pub resolution: u32,
+    pub pcf: u32,
+    pub layer_count: u32,
+    pub layer_extent: f32,
+    pub bias: f32,
+    pub padding_0: f32,
+    pub padding_1: f32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct ShadowView {
+    pub clip_from_relative: [[f32; 4]; 4],
+    pub depth_row: [f32; 4],
+    pub front_base: u32,
+    pub layer_base: u32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Frame {
+    pub ambient: [f32; 3],
+    pub light_count: u32,
+    pub eye: [f32; 4],
+    pub relative_from_clip: [[f32; 4]; 4],
+    pub width: u32,
+    pub height: u32,
+    pub capacity: u32,
+    pub flags: u32,
+    pub tail_scale: f32,
+    pub padding_0: f32,
+    pub padding_1: f32,
+    pub padding_2: f32,
+    pub lights: [Light; MAX_LIGHTS],
+    pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+pub struct Material {
+    pub values: [[f32; 4]; 8],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct Counters {
+    pub produced: u32,
+    pub culled: u32,
+    pub stored: u32,
+    pub merged: u32,
+    pub overflow: u32,
+    pub mismatched: u32,
+    pub covered: u32,
+    pub padding_0: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Point {
+    pub position: [f32; 3],
+    pub radius: f32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct PointAttributes {
+    pub strand: u32,
+    pub coordinate: f32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Projected {
+    pub position: [f32; 2],
+    pub depth: f32,
+    pub half_width: f32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct ProjectedAttributes {
+    pub bisector: u32,
+    pub flags: u32,
+}

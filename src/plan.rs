@@ -1,0 +1,559 @@
+//! The plan of a frame: everything that the CPU decides before a pass is recorded. Matrices are composed in double
+//! precision here; the GPU sees positions relative to the view's eye.
+
+use glam::{DMat4, DVec3, DVec4, Vec3};
+
+use crate::error::{Error, Result, invalid};
+use crate::frame::{Frame, Target};
+use crate::geometry::{Hair, MAX_FRAME_POINTS, Run};
+use crate::gpu::Gpu;
+use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
+use crate::light::LightKind;
+use crate::raster::Rasteriser;
+use crate::shadow::{DeepOpacityMap, Shadow};
+use crate::transparency::Transparency;
+
+/// A run of a hair, and where its points lie among the frame's pooled points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PlannedRun {
+    pub hair: usize,
+    pub run: Run,
+    pub base: u32,
+    pub material: u32,
+}
+
+/// One map of one light.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PlannedMap {
+    pub settings: DeepOpacityMap,
+    pub rasteriser: Rasteriser,
+    /// Uniform offsets, one a run.
+    pub drawings: Vec<u32>,
+    pub splits: u32,
+}
+
+/// A band of rows whose pixels fit in the bindings.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Band {
+    pub number: u32,
+    pub first: u32,
+    pub rows: u32,
+    pub drawings: Vec<u32>,
+}
+
+/// The plan of a frame.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub width: u32,
+    pub height: u32,
+    pub runs: Vec<PlannedRun>,
+    /// Which geometries the runs read, to tell when bindings must be made anew.
+    pub serials: Vec<u64>,
+    pub maps: Vec<PlannedMap>,
+    pub bands: Vec<Band>,
+    pub transparency: Transparency,
+    pub rasteriser: Rasteriser,
+    pub splits: u32,
+    pub point_count: u64,
+    /// Words of all lights' maps.
+    pub map_words: u64,
+    /// Fragments that the frame is expected to produce.
+    pub expected_fragments: u64,
+    /// Uniform blocks; the frame's first.
+    pub uniforms: Vec<u8>,
+    pub strands: u64,
+    pub segments: u64,
+    pub shading: &'static str,
+    pub shadowed: bool,
+    pub reverse_z: bool,
+    pub frame_uniform: layout::Frame,
+}
+
+/// Pixels of one band at most: what one binding of the overflow's words holds.
+fn band_pixels(gpu: &Gpu) -> u64 {
+    gpu.max_binding() / (4 * layout::OVERFLOW_WORDS)
+}
+
+/// Segments wider than this many pixels in all are shared among invocations: some drivers end loops at 65,535 steps.
+const PIXELS_AN_INVOCATION: f64 = 8192.0;
+
+/// A hair as the frame sees it.
+struct Placed {
+    relative_from_object: DMat4,
+    /// Corners of its box in relative space.
+    corners: [DVec3; 8],
+    scale: f64,
+    radius: f64,
+}
+
+fn place(hair: &Hair, origin: DVec3) -> Placed {
+    let geometry = &hair.geometry;
+    let relative_from_object = DMat4::from_translation(-origin)
+        * hair.world_from_object
+        * DMat4::from_translation(geometry.origin);
+    let corners = std::array::from_fn(|corner| {
+        let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        relative_from_object.transform_point3(geometry.half_extent * DVec3::new(sign(0), sign(1), sign(2)))
+    });
+    let scale = glam::DMat3::from_mat4(relative_from_object).determinant().abs().cbrt();
+    Placed { relative_from_object, corners, scale, radius: geometry.max_radius * scale }
+}
+
+fn matrix(m: DMat4) -> [[f32; 4]; 4] {
+    m.as_mat4().to_cols_array_2d()
+}
+
+fn vector(v: DVec4) -> [f32; 4] {
+    v.as_vec4().into()
+}
+
+impl Plan {
+    pub fn new(gpu: &Gpu, frame: &Frame, target: &Target) -> Result<Self> {
+        frame.view.validate()?;
+        if frame.lights.len() > MAX_LIGHTS {
+            return invalid!("{} lights: a frame takes at most {MAX_LIGHTS}", frame.lights.len());
+        }
+        if !frame.ambient.is_finite() || frame.ambient.min_element() < 0.0 {
+            let Vec3 { x, y, z } = frame.ambient;
+            return invalid!("ambient ({x}, {y}, {z}) has a component that is negative or not finite");
+        }
+        frame.lights.iter().enumerate().try_for_each(|(number, light)| light.validate(number))?;
+        frame.hairs.iter().enumerate().try_for_each(|(number, hair)| hair.validate(number))?;
+        let transparency = choose_transparency(frame)?;
+        transparency.validate()?;
+        let shading = one_shading(frame)?;
+
+        let (width, height) = (target.colour.width(), target.colour.height());
+        let origin = frame.view.origin();
+        let placed: Vec<Placed> = frame.hairs.iter().map(|hair| place(hair, origin)).collect();
+        let (runs, point_count) = plan_runs(frame, gpu)?;
+        let clip_from_relative =
+            frame.view.clip_from_view * frame.view.view_from_world * DMat4::from_translation(origin);
+        let eye = frame.view.eye();
+        let eye_relative = if eye.w > 0.0 { (eye.truncate() - origin).extend(1.0) } else { eye };
+        let seen = view_size(&clip_from_relative, &placed, frame, width, height);
+
+        let mut plan = Self {
+            width,
+            height,
+            serials: frame.hairs.iter().map(|hair| hair.geometry.serial).collect(),
+            maps: Vec::new(),
+            bands: Vec::new(),
+            transparency,
+            rasteriser: transparency.raster().choose(seen.half_width_px),
+            splits: seen.splits(),
+            point_count,
+            map_words: 0,
+            expected_fragments: seen.fragments as u64,
+            uniforms: Vec::new(),
+            strands: frame.hairs.iter().map(|hair| hair.geometry.strand_count).sum(),
+            segments: frame.hairs.iter().map(|hair| hair.geometry.segment_count).sum(),
+            shading,
+            shadowed: false,
+            reverse_z: frame.view.reverse_z,
+            frame_uniform: layout::Frame {
+                ambient: frame.ambient.into(),
+                light_count: frame.lights.len() as u32,
+                eye: vector(eye_relative),
+                relative_from_clip: matrix(clip_from_relative.inverse()),
+                width,
+                height,
+                capacity: 0,
+                flags: if frame.view.reverse_z { layout::FRAME_REVERSE_Z } else { 0 },
+                tail_scale: tail_scale(frame, &placed, origin),
+                padding_0: 0.0,
+                padding_1: 0.0,
+                padding_2: 0.0,
+                lights: bytemuck::Zeroable::zeroed(),
+                shadow_views: bytemuck::Zeroable::zeroed(),
+            },
+            runs,
+        };
+        plan.uniforms.resize(std::mem::size_of::<layout::Frame>().next_multiple_of(UNIFORM_STRIDE as usize), 0);
+        let materials: Vec<u32> = frame.hairs.iter().map(|hair| plan.uniform(&hair.shading.material())).collect();
+        for run in &mut plan.runs {
+            run.material = materials[run.hair];
+        }
+        plan.add_lights(frame, &placed, origin, gpu)?;
+        plan.add_bands(frame, &placed, &clip_from_relative, eye_relative, target, gpu);
+        Ok(plan)
+    }
+
+    /// Appends a uniform block; its offset.
+    fn uniform<T: bytemuck::Pod>(&mut self, value: &T) -> u32 {
+        let offset = self.uniforms.len();
+        self.uniforms.extend_from_slice(bytemuck::bytes_of(value));
+        self.uniforms.resize(self.uniforms.len().next_multiple_of(UNIFORM_STRIDE as usize), 0);
+        offset as u32
+    }
+
+    /// Writes the frame's own block, when everything in it is known.
+    pub fn seal(&mut self, capacity: u64) {
+        self.frame_uniform.capacity = capacity as u32;
+        let size = std::mem::size_of::<layout::Frame>();
+        self.uniforms[..size].copy_from_slice(bytemuck::bytes_of(&self.frame_uniform));
+    }
+
+    /// One drawing a run, alike but for the hair.
+    fn drawings(&mut self, frame: &Frame, placed: &[Placed], common: &layout::Drawing) -> Vec<u32> {
+        (0..self.runs.len())
+            .map(|number| {
+                let run = self.runs[number];
+                let hair = &placed[run.hair];
+                self.uniform(&layout::Drawing {
+                    relative_from_object: matrix(hair.relative_from_object),
+                    radius_scale: hair.scale as f32,
+                    opacity: frame.hairs[run.hair].opacity,
+                    point_count: run.run.count,
+                    point_base: run.base,
+                    ..*common
+                })
+            })
+            .collect()
+    }
+
+    /// The lights with their maps.
+    fn add_lights(&mut self, frame: &Frame, placed: &[Placed], origin: DVec3, gpu: &Gpu) -> Result<()> {
+        let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
+        let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
+        for (number, light) in frame.lights.iter().enumerate() {
+            let (place, power) = match light.kind {
+                LightKind::Directional { direction, irradiance } => ((-direction.normalize()).extend(0.0), irradiance),
+                LightKind::Point { position, intensity } => ((position - origin).extend(1.0), intensity),
+            };
+            let uniform = &mut self.frame_uniform.lights[number];
+            uniform.place = vector(place);
+            uniform.power = power.into();
+            let Shadow::DeepOpacityMap(settings) = choose_shadow(frame, number)? else { continue };
+            if corners.is_empty() || self.runs.is_empty() {
+                continue;
+            }
+            let cameras = light_cameras(place, &corners, radius);
+            let extent = cameras.extent * f64::from(settings.depth);
+            let first = self.maps.len();
+            if first + cameras.views.len() > MAX_SHADOW_VIEWS {
+                return Err(Error::Unsupported(format!("light {number}: a frame takes at most {MAX_SHADOW_VIEWS} shadow maps")));
+            }
+            let texel = cameras.width / f64::from(settings.resolution);
+            *uniform = layout::Light {
+                map_count: cameras.views.len() as u32,
+                map_first: first as u32,
+                resolution: settings.resolution,
+                pcf: settings.pcf,
+                layer_count: settings.layers,
+                layer_extent: extent as f32,
+                bias: (2.0 * radius + 0.5 * texel) as f32,
+                ..*uniform
+            };
+            self.shadowed = true;
+            for camera in cameras.views {
+                self.add_map(frame, placed, settings, &camera, extent, texel, radius, gpu)?;
+            }
+        }
+        Ok(())
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn add_map(
+        &mut self,
+        frame: &Frame,
+        placed: &[Placed],
+        settings: DeepOpacityMap,
+        camera: &LightCamera,
+        extent: f64,
+        texel: f64,
+        radius: f64,
+        gpu: &Gpu,
+    ) -> Result<()> {
+        let texels = u64::from(settings.resolution).pow(2);
+        let front_base = self.map_words;
+        let layer_base = front_base + texels;
+        self.map_words = layer_base + texels * u64::from(settings.layers);
+        if self.map_words * 4 > gpu.max_binding() {
+            return Err(Error::Unsupported(format!(
+                "the shadow maps of this frame take {} bytes; this device binds {}",
+                self.map_words * 4,
+                gpu.max_binding()
+            )));
+        }
+        self.frame_uniform.shadow_views[self.maps.len()] = layout::ShadowView {
+            clip_from_relative: matrix(camera.clip_from_relative),
+            depth_row: vector(camera.depth_row),
+            front_base: front_base as u32,
+            layer_base: layer_base as u32,
+            padding_0: 0,
+            padding_1: 0,
+        };
+        let half_width = radius / texel.max(f64::MIN_POSITIVE);
+        let seen = Seen { half_width_px: half_width, length_px: f64::from(settings.resolution), fragments: 0.0 };
+        let drawings = self.drawings(
+            frame,
+            placed,
+            &layout::Drawing {
+                clip_from_relative: matrix(camera.clip_from_relative),
+                eye: vector(camera.eye),
+                depth_row: vector(camera.depth_row),
+                viewport: [settings.resolution as f32; 2],
+                splits: seen.splits(),
+                front_base: front_base as u32,
+                layer_base: layer_base as u32,
+                layer_count: settings.layers,
+                layer_extent: extent as f32,
+                row_end: settings.resolution,
+                ..bytemuck::Zeroable::zeroed()
+            },
+        );
+        let rasteriser = settings.raster.choose(half_width);
+        self.maps.push(PlannedMap { settings, rasteriser, drawings, splits: seen.splits() });
+        Ok(())
+    }
+
+    /// The view, in bands of rows.
+    fn add_bands(
+        &mut self,
+        frame: &Frame,
+        placed: &[Placed],
+        clip_from_relative: &DMat4,
+        eye: DVec4,
+        target: &Target,
+        gpu: &Gpu,
+    ) {
+        let rows = (band_pixels(gpu) / u64::from(self.width)).clamp(1, u64::from(self.height)) as u32;
+        let mut flags = layout::DRAWING_DEPTH_OVER_W;
+        flags |= if frame.view.reverse_z { layout::DRAWING_REVERSE_Z } else { 0 };
+        flags |= if target.depth.is_some() { layout::DRAWING_HOST_DEPTH } else { 0 };
+        for (number, first) in (0..self.height).step_by(rows as usize).enumerate() {
+            let rows = rows.min(self.height - first);
+            let drawings = self.drawings(
+                frame,
+                placed,
+                &layout::Drawing {
+                    clip_from_relative: matrix(*clip_from_relative),
+                    eye: vector(eye),
+                    depth_row: vector(clip_from_relative.row(2)),
+                    viewport: [self.width as f32, self.height as f32],
+                    flags,
+                    splits: self.splits,
+                    row_first: first,
+                    row_end: first + rows,
+                    ..bytemuck::Zeroable::zeroed()
+                },
+            );
+            self.bands.push(Band { number: number as u32, first, rows, drawings });
+        }
+    }
+}
+
+/// The runs of all hairs, with their places in the pools.
+fn plan_runs(frame: &Frame, gpu: &Gpu) -> Result<(Vec<PlannedRun>, u64)> {
+    let mut runs = Vec::new();
+    let mut base = 0u64;
+    for (number, hair) in frame.hairs.iter().enumerate() {
+        for run in &hair.geometry.runs {
+            runs.push(PlannedRun { hair: number, run: *run, base: base as u32, material: 0 });
+            base += u64::from(run.count).next_multiple_of(64);
+        }
+    }
+    let most = MAX_FRAME_POINTS.min(gpu.max_binding() / 8);
+    if base > most {
+        return Err(Error::Unsupported(format!("the frame's hairs have {base} points; this device takes {most}")));
+    }
+    Ok((runs, base))
+}
+
+/// The frame's technique, or what its hairs agree on.
+fn choose_transparency(frame: &Frame) -> Result<Transparency> {
+    if let Some(transparency) = frame.transparency {
+        return Ok(transparency);
+    }
+    agree("transparency", frame.hairs.iter().map(|hair| hair.transparency), Transparency::stem)
+}
+
+/// The light's technique, or what the hairs agree on.
+fn choose_shadow(frame: &Frame, light: usize) -> Result<Shadow> {
+    if let Some(shadow) = frame.lights[light].shadow {
+        return Ok(shadow);
+    }
+    agree("shadow", frame.hairs.iter().map(|hair| hair.shadow), Shadow::stem)
+}
+
+/// The only wish, the default where nobody wishes, or an error.
+fn agree<T: Copy + PartialEq + Default>(
+    what: &str,
+    wishes: impl Iterator<Item = Option<T>>,
+    stem: fn(&T) -> &'static str,
+) -> Result<T> {
+    let mut agreed: Option<(usize, T)> = None;
+    for (number, wish) in wishes.enumerate() {
+        match (agreed, wish) {
+            (Some((first, a)), Some(b)) if a != b => {
+                return Err(Error::Conflict(format!(
+                    "hair {first} wishes for the {what} {} and hair {number} for {}, or with other settings; name one on \
+                     the frame",
+                    stem(&a),
+                    stem(&b)
+                )));
+            }
+            (None, Some(b)) => agreed = Some((number, b)),
+            _ => {}
+        }
+    }
+    Ok(agreed.map(|(_, wish)| wish).unwrap_or_default())
+}
+
+/// All hairs' model; one model a frame for now, parameters may differ.
+fn one_shading(frame: &Frame) -> Result<&'static str> {
+    let first = frame.hairs.first().map_or("kajiya_kay", |hair| hair.shading.stem());
+    match frame.hairs.iter().position(|hair| hair.shading.stem() != first) {
+        Some(other) => Err(Error::Conflict(format!(
+            "hair 0 has the shading {first} and hair {other} {}",
+            frame.hairs[other].shading.stem()
+        ))),
+        None => Ok(first),
+    }
+}
+
+/// How large the hair is on the screen.
+struct Seen {
+    half_width_px: f64,
+    length_px: f64,
+    fragments: f64,
+}
+
+impl Seen {
+    /// Invocations that share one segment, so that none walks too many pixels.
+    fn splits(&self) -> u32 {
+        let pixels = self.length_px * (2.0 * self.half_width_px + 3.0);
+        ((pixels / PIXELS_AN_INVOCATION).ceil() as u32).clamp(1, 64)
+    }
+}
+
+/// Bounds of fibre width and segment length on the screen, and an estimate of the fragments.
+fn view_size(clip_from_relative: &DMat4, placed: &[Placed], frame: &Frame, width: u32, height: u32) -> Seen {
+    let screen = f64::from(width.max(height));
+    let mut seen = Seen { half_width_px: 0.0, length_px: 0.0, fragments: 0.0 };
+    for (hair, placed) in frame.hairs.iter().zip(placed) {
+        if hair.geometry.segment_count == 0 {
+            continue;
+        }
+        // Pixels a unit of length: the rows' lengths are the focal lengths, w the distance.
+        let focal = (0..2)
+            .map(|axis| clip_from_relative.row(axis).truncate().length() * 0.5 * f64::from([width, height][axis]))
+            .fold(0.0f64, f64::max);
+        let distance = |p: &DVec3| clip_from_relative.row(3).dot(p.extend(1.0));
+        let nearest = placed.corners.iter().map(distance).fold(f64::INFINITY, f64::min);
+        let middle = placed.corners.iter().map(distance).sum::<f64>() / 8.0;
+        let diagonal = placed.corners[0].distance(placed.corners[7]);
+        let px = |distance: f64| focal / distance.max(diagonal * 1e-3).max(f64::MIN_POSITIVE);
+        let longest = (diagonal * px(nearest)).min(2.0 * screen);
+        seen.half_width_px = seen.half_width_px.max((placed.radius * px(nearest)).min(screen));
+        seen.length_px = seen.length_px.max(longest);
+        // A fibre of width w touches w + 4/π pixels a pixel of length on average; what leaves the screen is not counted.
+        let middle_px = px(middle.max(nearest));
+        let inside = (screen * screen / (diagonal * middle_px).powi(2)).min(1.0);
+        let length = hair.geometry.length * placed.scale * middle_px;
+        seen.fragments += length * (2.0 * placed.radius * middle_px + 1.28) * inside.max(0.05);
+    }
+    seen
+}
+
+/// Steps a unit of radiance of the tail's fixed-point colours: 2¹⁶ for the brightest that the lights should make.
+fn tail_scale(frame: &Frame, placed: &[Placed], origin: DVec3) -> f32 {
+    let mut power = f64::from(frame.ambient.max_element()) * 12.0;
+    for light in frame.lights {
+        power += match light.kind {
+            LightKind::Directional { irradiance, .. } => f64::from(irradiance.max_element()),
+            LightKind::Point { position, intensity } => {
+                let nearest = placed.iter().flat_map(|hair| hair.corners).map(|p| p.distance(position - origin));
+                let diagonal = placed.iter().map(|hair| hair.corners[0].distance(hair.corners[7])).fold(0.0, f64::max);
+                let distance = nearest.fold(f64::INFINITY, f64::min).max(0.05 * diagonal);
+                f64::from(intensity.max_element()) / (distance * distance).max(1e-20)
+            }
+        };
+    }
+    let brightest = frame.hairs.iter().map(|hair| hair.shading.brightest()).fold(0.0f32, f32::max);
+    let radiance = (f64::from(brightest) * power).clamp(1e-6, 1e6);
+    (65536.0 / radiance) as f32
+}
+
+/// A light's view of the hair.
+struct LightCamera {
+    clip_from_relative: DMat4,
+    /// Distance along the axis, 0 at the nearest hair.
+    depth_row: DVec4,
+    eye: DVec4,
+}
+
+struct LightCameras {
+    views: Vec<LightCamera>,
+    /// Depth range of the hair.
+    extent: f64,
+    /// Width of a map at the hair's middle.
+    width: f64,
+}
+
+/// Fits a light's maps to the corners of all hairs' boxes.
+fn light_cameras(place: DVec4, corners: &[DVec3], radius: f64) -> LightCameras {
+    let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let size = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max) + radius;
+    let size = size.max(centre.length() * 1e-9).max(1e-12);
+    if place.w == 0.0 {
+        return directional_camera(-place.truncate(), corners, radius.max(size * 1e-6));
+    }
+    let light = place.truncate();
+    let distance = light.distance(centre);
+    if distance > 1.2 * size {
+        let half_angle = (size / distance).asin();
+        let near = distance - size;
+        let camera = point_camera(light, centre - light, half_angle, near);
+        return LightCameras { views: vec![camera], extent: 2.0 * size, width: 2.0 * distance * half_angle.tan() };
+    }
+    // The light is among the hair: a cube.
+    let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+    let views = axes.map(|axis| point_camera(light, axis, std::f64::consts::FRAC_PI_4, 0.0)).into();
+    LightCameras { views, extent: distance + size, width: distance + size }
+}
+
+/// Two unit vectors that complete a direction.
+fn basis(direction: DVec3) -> (DVec3, DVec3) {
+    let right = direction.any_orthonormal_vector();
+    (right, right.cross(direction))
+}
+
+/// An orthographic camera that holds all corners, `margin` wider on each side.
+fn directional_camera(axis: DVec3, corners: &[DVec3], margin: f64) -> LightCameras {
+    let (right, up) = basis(axis);
+    let range = |direction: DVec3| {
+        let along = corners.iter().map(|p| p.dot(direction));
+        let low = along.clone().fold(f64::INFINITY, f64::min) - margin;
+        (low, along.fold(f64::NEG_INFINITY, f64::max) + margin)
+    };
+    let ((x0, x1), (y0, y1), (z0, z1)) = (range(right), range(up), range(axis));
+    let row = |direction: DVec3, low: f64, high: f64| {
+        let scale = 2.0 / (high - low);
+        (direction * scale).extend(-0.5 * (low + high) * scale)
+    };
+    let depth_row = axis.extend(-z0);
+    // Clip depth runs from ¼ to ¾, well inside both planes.
+    let z_row = depth_row * (0.5 / (z1 - z0)) + DVec4::W * 0.25;
+    let rows = DMat4::from_cols(row(right, x0, x1), row(up, y0, y1), z_row, DVec4::W);
+    let camera = LightCamera { clip_from_relative: rows.transpose(), depth_row, eye: (-axis).extend(0.0) };
+    LightCameras { views: vec![camera], extent: z1 - z0, width: (x1 - x0).max(y1 - y0) }
+}
+
+/// A perspective camera at a light; depth is the distance along the axis beyond `near`.
+fn point_camera(light: DVec3, direction: DVec3, half_angle: f64, near: f64) -> LightCamera {
+    let axis = direction.normalize();
+    let (right, up) = basis(axis);
+    let row = |direction: DVec3| direction.extend(-direction.dot(light));
+    let focal = 1.0 / half_angle.tan();
+    let along = row(axis);
+    // Clip depth 1 - plane / distance: no far plane, the near one before the hair or close to the light.
+    let plane = (0.5 * near).max(1e-4);
+    let rows = DMat4::from_cols(row(right) * focal, row(up) * focal, along - DVec4::W * plane, along);
+    LightCamera {
+        clip_from_relative: rows.transpose(),
+        depth_row: along - DVec4::W * near,
+        eye: light.extend(1.0),
+    }
+}

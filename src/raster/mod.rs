@@ -1,0 +1,92 @@
+//! Rasterisers: two ways to find the same fragments, each of which hands them to a technique's `emit`.
+
+mod ribbons;
+mod walk;
+
+pub(crate) use ribbons::ATTACHMENT;
+
+use crate::error::Result;
+use crate::gpu::{Gpu, Group, Passes};
+use crate::plan::Plan;
+use crate::resources::Bound;
+use crate::shader::{Constant, Module};
+
+/// How segments become fragments. Both find the same ones; they differ in speed only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+#[non_exhaustive]
+pub enum Raster {
+    /// The walk, except where fibres are wider than some pixels.
+    #[default]
+    Auto,
+    /// Camera-facing instanced triangle strips.
+    Ribbons,
+    /// A compute pass in which one invocation walks the pixels of one segment.
+    Walk,
+}
+
+/// A rasteriser that has been chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Rasteriser {
+    Ribbons,
+    Walk,
+}
+
+/// Half-widths in pixels beyond which the hardware's triangles beat one invocation a segment.
+const WIDE_HALF_WIDTH_PX: f64 = 12.0;
+
+impl Raster {
+    /// Chooses for fibres of at most this half-width.
+    pub(crate) fn choose(self, half_width_px: f64) -> Rasteriser {
+        match self {
+            Self::Ribbons => Rasteriser::Ribbons,
+            Self::Walk => Rasteriser::Walk,
+            Self::Auto if half_width_px > WIDE_HALF_WIDTH_PX => Rasteriser::Ribbons,
+            Self::Auto => Rasteriser::Walk,
+        }
+    }
+}
+
+/// One stage of a technique that takes fragments.
+pub(crate) struct Emission {
+    pub label: &'static str,
+    /// The value of `STAGE` in the module.
+    pub stage: u32,
+    /// The files that supply `emit_begin`, `emit` and `emit_end`.
+    pub files: &'static [&'static str],
+    /// The bind group that they write.
+    pub group: Group,
+}
+
+impl Emission {
+    fn module(&self, rasteriser: &'static str) -> Module {
+        Module::new(&["common/coverage", "common/segment"])
+            .with("STAGE", Constant::U32(self.stage))
+            .and(self.files)
+            .and(&[rasteriser])
+    }
+}
+
+/// What is rasterised: every run of the frame, by its drawings, over an image of `size` pixels.
+pub(crate) struct Draw<'a> {
+    pub rasteriser: Rasteriser,
+    pub splits: u32,
+    pub size: [u32; 2],
+    /// First row and number of rows that are drawn.
+    pub rows: [u32; 2],
+    pub drawings: &'a [u32],
+}
+
+/// Hands every fragment of a drawing to an emission.
+pub(crate) fn record(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    emission: &Emission,
+    draw: &Draw,
+    plan: &Plan,
+) -> Result<()> {
+    match draw.rasteriser {
+        Rasteriser::Walk => walk::record(gpu, passes, bound, emission, draw, plan),
+        Rasteriser::Ribbons => ribbons::record(gpu, passes, bound, emission, draw, plan),
+    }
+}

@@ -1,0 +1,161 @@
+//! The renderer: a device's pipelines and pools, and the calls that make hair and record frames.
+
+use crate::error::{Error, Result};
+use crate::frame::{self, Frame, Target};
+use crate::geometry::{Geometry, Hair};
+use crate::gpu::{Gpu, Passes};
+use crate::groom::Strands;
+use crate::plan::Plan;
+use crate::resources::Resources;
+use crate::statistics::{Fragments, Statistics};
+
+/// Renders hair on one device. Use it from one thread at a time.
+///
+/// It holds pipelines, which are made at their first use, and pools, which grow as frames need them and are kept.
+pub struct Renderer {
+    gpu: Gpu,
+    resources: Resources,
+    serial: u64,
+    statistics: Statistics,
+}
+
+impl Renderer {
+    /// A renderer on a device of the host.
+    ///
+    /// # Errors
+    /// A device that allows fewer than 4 bind groups, 10 storage buffers a stage, or 256 invocations a workgroup.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
+        let gpu = Gpu::new(device, queue)?;
+        let resources = Resources::new(&gpu)?;
+        Ok(Self { gpu, resources, serial: 0, statistics: Statistics::default() })
+    }
+
+    /// Uploads strands as a hair with default shading, fully opaque fibres, and no wishes.
+    ///
+    /// # Errors
+    /// More points than the device binds; no memory left, on the device or in the byte budget.
+    pub fn create_hair(&mut self, strands: &Strands) -> Result<Hair> {
+        self.serial += 1;
+        Ok(Hair {
+            world_from_object: glam::DMat4::IDENTITY,
+            opacity: 1.0,
+            shading: Default::default(),
+            shadow: None,
+            transparency: None,
+            geometry: Geometry::new(&self.gpu, strands, self.serial)?,
+        })
+    }
+
+    /// Replaces every position of a hair: moving hair with the same strands. Takes effect with the next frame recorded.
+    ///
+    /// # Errors
+    /// Another number of points, or a position that is not finite; the hair is then as it was.
+    pub fn update_points(&mut self, hair: &mut Hair, points: &[[f32; 3]]) -> Result<()> {
+        hair.geometry.update(&self.gpu, points)
+    }
+
+    /// Limits the GPU memory that the renderer takes, in bytes; `None` lifts the limit. What is held is kept.
+    pub fn set_byte_budget(&mut self, budget: Option<u64>) {
+        self.gpu.set_byte_budget(budget);
+    }
+
+    /// Records a frame into the host's encoder and submits nothing. At most eight frames may be recorded before the
+    /// first of them is submitted.
+    ///
+    /// # Errors
+    /// A value out of range, named; a conflict of wishes; a target that does not fit; no memory. Nothing has then been
+    /// recorded.
+    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target) -> Result<()> {
+        self.record_passes(&mut Passes::Recorded(encoder), frame, target)
+    }
+
+    /// Renders a frame pass by pass, each submitted alone and waited for, and returns the statistics with their times.
+    /// Slower than [`Renderer::record`] by the waits.
+    ///
+    /// # Errors
+    /// As [`Renderer::record`].
+    pub fn render_timed(&mut self, frame: &Frame, target: &Target) -> Result<Statistics> {
+        let mut passes = Passes::timed(&self.gpu);
+        self.record_passes(&mut passes, frame, target)?;
+        let mut statistics = self.statistics();
+        if let Passes::Timed(timed) = passes {
+            statistics.passes = timed.times;
+        }
+        Ok(statistics)
+    }
+
+    fn record_passes(&mut self, passes: &mut Passes, frame: &Frame, target: &Target) -> Result<()> {
+        target.validate(&self.gpu.device)?;
+        self.collect();
+        if self.resources.next_slot_busy() {
+            self.wait()?;
+            if self.resources.next_slot_busy() {
+                return Err(Error::InvalidValue(
+                    "eight frames have been recorded and none of them submitted; submit before recording more".into(),
+                ));
+            }
+        }
+        let mut plan = Plan::new(&self.gpu, frame, target)?;
+        self.resources.prepare(&self.gpu, frame, &mut plan, target)?;
+        frame::record(&mut self.gpu, passes, &self.resources, &plan, target)?;
+        self.statistics.strands = plan.strands;
+        self.statistics.segments = plan.segments;
+        if plan.runs.is_empty() {
+            self.statistics.fragments = Fragments::default();
+        }
+        Ok(())
+    }
+
+    /// Statistics of the latest frame whose counters have come back, and of the memory held now. Does not wait.
+    pub fn statistics(&mut self) -> Statistics {
+        self.collect();
+        let ledger = self.gpu.ledger();
+        self.statistics.bytes = ledger.by_label();
+        self.statistics.bytes_total = ledger.total();
+        self.statistics.bytes_peak = ledger.peak();
+        self.statistics.clone()
+    }
+
+    /// The device that the renderer works on.
+    pub fn device(&self) -> &wgpu::Device {
+        &self.gpu.device
+    }
+
+    /// The queue that the renderer works on.
+    pub fn queue(&self) -> &wgpu::Queue {
+        &self.gpu.queue
+    }
+
+    /// Waits for all work submitted to the device.
+    pub(crate) fn wait(&mut self) -> Result<()> {
+        match self.gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(Error::DeviceLost(error.to_string())),
+        }
+    }
+
+    fn collect(&mut self) {
+        if let Err(error) = self.gpu.device.poll(wgpu::PollType::Poll) {
+            log::debug!("polling: {error}");
+        }
+        let Some(returned) = self.resources.collect() else { return };
+        self.statistics.fragments = Fragments {
+            produced: returned.produced,
+            culled: returned.culled,
+            stored: returned.stored,
+            merged: returned.merged,
+        };
+        self.statistics.covered_pixels = returned.covered;
+        self.statistics.mismatched = returned.mismatched;
+        if returned.mismatched > 0 {
+            log::error!("{} fragments were stored that had not been counted", returned.mismatched);
+        }
+        if returned.merged > 0 {
+            log::warn!(
+                "the fragment pool was too small: {} of {} fragments were merged",
+                returned.merged,
+                returned.produced
+            );
+        }
+    }
+}

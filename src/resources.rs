@@ -1,0 +1,529 @@
+//! What frames draw with: pools that grow and are kept, a ring of uniforms and counters, and bind groups that are made
+//! anew only when one of these changes.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use crate::error::{Error, Result};
+use crate::frame::{Frame, Target};
+use crate::gpu::{Allocation, Gpu, Group, Passes};
+use crate::layout::{Counters, OVERFLOW_WORDS, SCAN_BLOCK};
+use crate::plan::Plan;
+use crate::raster::Rasteriser;
+use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
+use crate::transparency::Transparency;
+
+/// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
+pub(crate) const RING: usize = 8;
+/// Bytes of one band's counters; an offset that every device can bind.
+const COUNTER_STRIDE: u64 = 256;
+/// Bands whose counters are kept.
+const MAX_BANDS: u64 = 64;
+/// Room in a new pool beyond what the frame is expected, or was measured, to need.
+const POOL_MARGIN: f64 = 1.15;
+
+/// The state of a slot's counters on their way back.
+const IDLE: u8 = 0;
+const PENDING: u8 = 1;
+const ARRIVED: u8 = 2;
+const FAILED: u8 = 3;
+
+/// The pixels' buffers, in the order of their bindings.
+pub(crate) struct Pixels {
+    pub counters: Allocation,
+    pub fill: Allocation,
+    pub links: Allocation,
+    pub keys: Allocation,
+    pub points: Allocation,
+    pub values: Allocation,
+    pub overflow: Allocation,
+}
+
+/// One frame's uniforms and returning counters.
+struct Slot {
+    uniforms: Option<Allocation>,
+    counters: Allocation,
+    state: Arc<AtomicU8>,
+    bands: u64,
+    lists: bool,
+    capacity: u64,
+    frame: Option<wgpu::BindGroup>,
+    frame_without_depth: Option<wgpu::BindGroup>,
+    depth: Option<wgpu::Texture>,
+}
+
+/// One run's bind groups.
+pub(crate) struct RunGroups {
+    pub project: wgpu::BindGroup,
+    pub segments: wgpu::BindGroup,
+    pub shade: wgpu::BindGroup,
+}
+
+/// Bind groups of the pools.
+struct Groups {
+    serials: Vec<u64>,
+    generation: u64,
+    runs: Vec<RunGroups>,
+    maps_written: wgpu::BindGroup,
+    maps_read: wgpu::BindGroup,
+    pixels_written: wgpu::BindGroup,
+    pixels_read: wgpu::BindGroup,
+}
+
+/// What the passes of one frame bind.
+pub(crate) struct Bound<'a> {
+    pub frame: &'a wgpu::BindGroup,
+    pub frame_without_depth: &'a wgpu::BindGroup,
+    pub runs: &'a [RunGroups],
+    pub maps_written: &'a wgpu::BindGroup,
+    pub maps_read: &'a wgpu::BindGroup,
+    pub pixels_written: &'a wgpu::BindGroup,
+    pub pixels: &'a Pixels,
+    pub pixels_read: &'a wgpu::BindGroup,
+    pub attachment: Option<wgpu::TextureView>,
+    pub can_overflow: bool,
+    returned: &'a Allocation,
+}
+
+impl Bound<'_> {
+    /// Index and bind group of what an emission writes.
+    pub fn emission(&self, group: Group) -> (u32, &wgpu::BindGroup) {
+        match group {
+            Group::MapsWritten => (2, self.maps_written),
+            _ => (3, self.pixels_written),
+        }
+    }
+
+    /// Zeroes the counters before a band.
+    pub fn clear_counters(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.clear_buffer(&self.pixels.counters.buffer, 0, None);
+    }
+
+    /// Keeps a band's counters for the host.
+    pub fn keep_counters(&self, passes: &mut Passes, band: u32) {
+        let size = size_of::<Counters>() as u64;
+        let at = u64::from(band).min(MAX_BANDS - 1) * COUNTER_STRIDE;
+        passes.encode("pelage.counters", |encoder| {
+            encoder.copy_buffer_to_buffer(&self.pixels.counters.buffer, 0, &self.returned.buffer, at, Some(size));
+        });
+    }
+}
+
+/// Counters of a finished frame, summed over its bands.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Returned {
+    pub produced: u64,
+    pub culled: u64,
+    pub stored: u64,
+    pub merged: u64,
+    pub mismatched: u64,
+    pub covered: u64,
+    /// The most that one band asked of the pool.
+    pub needed: u64,
+}
+
+/// Pools, ring and bind groups.
+pub(crate) struct Resources {
+    projected: Allocation,
+    projected_attributes: Allocation,
+    shaded: Allocation,
+    maps: Allocation,
+    pixels: Pixels,
+    generation: u64,
+    groups: Option<Groups>,
+    slots: Vec<Slot>,
+    slot: usize,
+    no_depth: wgpu::Texture,
+    attachment: Option<wgpu::Texture>,
+    /// Fragments that the last frames needed.
+    needed: u64,
+    capacity: u64,
+    can_overflow: bool,
+}
+
+/// `count` elements of `each` bytes, from `first` on.
+fn part(allocation: &Allocation, first: u64, count: u64, each: u64) -> wgpu::BindingResource<'_> {
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+        buffer: &allocation.buffer,
+        offset: first * each,
+        size: std::num::NonZeroU64::new(count.max(1) * each),
+    })
+}
+
+/// Grows a buffer to `size` bytes; the old one is kept where that fails.
+fn grow(gpu: &Gpu, slot: &mut Allocation, label: &'static str, size: u64, generation: &mut u64) -> Result<()> {
+    if slot.size() >= size {
+        return Ok(());
+    }
+    *slot = gpu.storage(label, size)?;
+    *generation += 1;
+    Ok(())
+}
+
+impl Resources {
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        let empty = |label| gpu.storage(label, 256);
+        let slots = (0..RING)
+            .map(|_| {
+                let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+                Ok(Slot {
+                    uniforms: None,
+                    counters: gpu.allocate("pelage.counters.returned", MAX_BANDS * COUNTER_STRIDE, usage)?,
+                    state: Arc::default(),
+                    bands: 0,
+                    lists: false,
+                    capacity: 0,
+                    frame: None,
+                    frame_without_depth: None,
+                    depth: None,
+                })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        Ok(Self {
+            projected: empty("pelage.geometry.projected")?,
+            projected_attributes: empty("pelage.geometry.projected_attributes")?,
+            shaded: empty("pelage.shading.points")?,
+            maps: empty("pelage.shadow.maps")?,
+            pixels: Pixels {
+                counters: empty("pelage.counters")?,
+                fill: empty("pelage.transparency.fill")?,
+                links: empty("pelage.transparency.links")?,
+                keys: empty("pelage.transparency.keys")?,
+                points: empty("pelage.transparency.points")?,
+                values: empty("pelage.transparency.values")?,
+                overflow: empty("pelage.transparency.overflow")?,
+            },
+            generation: 0,
+            groups: None,
+            slots,
+            slot: 0,
+            no_depth: gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("pelage.no_depth"),
+                size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: wgpu::TextureFormat::Depth32Float,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            }),
+            attachment: None,
+            needed: 0,
+            capacity: 0,
+            can_overflow: true,
+        })
+    }
+
+    /// Makes everything that the plan needs, and writes its uniforms.
+    pub fn prepare(&mut self, gpu: &Gpu, frame: &Frame, plan: &mut Plan, target: &Target) -> Result<()> {
+        if plan.runs.is_empty() {
+            return Ok(());
+        }
+        self.grow_pools(gpu, plan)?;
+        if gpu.limits.max_texture_dimension_2d < plan.width.max(plan.height) {
+            return Err(Error::Unsupported(format!("a target of {}×{} pixels", plan.width, plan.height)));
+        }
+        self.grow_attachment(gpu, plan);
+        let key_matches =
+            self.groups.as_ref().is_some_and(|groups| groups.generation == self.generation && groups.serials == plan.serials);
+        if !key_matches {
+            self.groups = Some(self.bind(gpu, frame, plan));
+        }
+        plan.seal(self.capacity);
+        self.slot = (self.slot + 1) % RING;
+        self.write_uniforms(gpu, plan, target)
+    }
+
+    fn grow_pools(&mut self, gpu: &Gpu, plan: &Plan) -> Result<()> {
+        let generation = &mut self.generation;
+        let points = plan.point_count;
+        grow(gpu, &mut self.projected, "pelage.geometry.projected", points * 16, generation)?;
+        grow(gpu, &mut self.projected_attributes, "pelage.geometry.projected_attributes", points * 8, generation)?;
+        grow(gpu, &mut self.shaded, "pelage.shading.points", points * 8, generation)?;
+        grow(gpu, &mut self.maps, "pelage.shadow.maps", plan.map_words * 4, generation)?;
+        let pixels = plan.bands.iter().map(|band| u64::from(plan.width) * u64::from(band.rows)).max().unwrap_or(0);
+        let pool = &mut self.pixels;
+        grow(gpu, &mut pool.fill, "pelage.transparency.fill", pixels * 4, generation)?;
+        match plan.transparency {
+            Transparency::Opaque(_) => {
+                grow(gpu, &mut pool.links, "pelage.transparency.links", pixels * 4, generation)?;
+                grow(gpu, &mut pool.keys, "pelage.transparency.keys", pixels * 4, generation)
+            }
+            Transparency::ABuffer(settings) => {
+                let words = pixels * 4 * OVERFLOW_WORDS;
+                grow(gpu, &mut pool.overflow, "pelage.transparency.overflow", words, generation)?;
+                if settings.storage == Storage::Counted {
+                    let scan = pixels + 1 + pixels.div_ceil(u64::from(SCAN_BLOCK));
+                    grow(gpu, &mut pool.links, "pelage.transparency.links", scan * 4, generation)?;
+                }
+                self.grow_fragments(gpu, plan, &settings)
+            }
+        }
+    }
+
+    /// Sizes the fragment pool: to what the host says, or to what is expected or was measured, within the budget.
+    fn grow_fragments(&mut self, gpu: &Gpu, plan: &Plan, settings: &ABuffer) -> Result<()> {
+        let each = if settings.storage == Storage::Lists { NODE_BYTES } else { FRAGMENT_BYTES };
+        let held = self.pixels.keys.size() / 4;
+        let most = gpu.max_binding() / 4;
+        let wanted = match settings.pool_bytes {
+            Some(bytes) => (bytes / each).min(most),
+            None => {
+                let expected = plan.expected_fragments.max(self.needed) as f64 * POOL_MARGIN;
+                (expected as u64).clamp(4096, most)
+            }
+        };
+        // What the old pool holds comes free before the new one is made.
+        let left = (gpu.ledger().left() / each).saturating_add(held);
+        let wanted = wanted.min(left.saturating_sub(256)).max(1);
+        let enough = self.needed > 0 && settings.pool_bytes.is_none() && held >= self.needed && held <= left;
+        let fits = match settings.pool_bytes {
+            Some(_) => held >= wanted,
+            None => held >= wanted || enough,
+        };
+        let lists = settings.storage == Storage::Lists;
+        if !fits || (lists && self.pixels.links.size() / 4 < wanted) {
+            let generation = &mut self.generation;
+            let pool = &mut self.pixels;
+            // Lists use `links` for their nodes.
+            let buffers = [
+                (&mut pool.keys, "pelage.transparency.keys"),
+                (&mut pool.points, "pelage.transparency.points"),
+                (&mut pool.values, "pelage.transparency.values"),
+            ];
+            for (slot, label) in buffers {
+                if slot.size() < wanted * 4 {
+                    *slot = gpu.storage(label, 256)?;
+                    grow(gpu, slot, label, wanted * 4, generation)?;
+                }
+            }
+            if lists {
+                grow(gpu, &mut pool.links, "pelage.transparency.links", wanted * 4, generation)?;
+            }
+        }
+        let held = [&self.pixels.keys, &self.pixels.points, &self.pixels.values].map(|a| a.size() / 4);
+        let held = held.into_iter().min().unwrap_or(0);
+        self.capacity = if settings.pool_bytes.is_some() { wanted.min(held) } else { held.min(most) };
+        if lists {
+            self.capacity = self.capacity.min(self.pixels.links.size() / 4);
+        }
+        // The search costs eight idle passes; it is left out where the measured need lies well below the pool.
+        self.can_overflow = self.needed == 0 || (self.needed as f64 * 1.05) as u64 >= self.capacity;
+        Ok(())
+    }
+
+    /// The attachment of ribbons, as large as the largest image that they draw.
+    fn grow_attachment(&mut self, gpu: &Gpu, plan: &Plan) {
+        let view = [(plan.rasteriser, plan.width, plan.height)];
+        let maps = plan.maps.iter().map(|map| (map.rasteriser, map.settings.resolution, map.settings.resolution));
+        let sizes = view.into_iter().chain(maps).filter(|(rasteriser, ..)| *rasteriser == Rasteriser::Ribbons);
+        let Some((width, height)) = sizes.map(|(_, w, h)| (w, h)).reduce(|a, b| (a.0.max(b.0), a.1.max(b.1))) else {
+            return;
+        };
+        if self.attachment.as_ref().is_some_and(|held| held.width() >= width && held.height() >= height) {
+            return;
+        }
+        self.attachment = Some(gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("pelage.raster.ribbons"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: crate::raster::ATTACHMENT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        }));
+    }
+
+    fn bind(&self, gpu: &Gpu, frame: &Frame, plan: &Plan) -> Groups {
+        let runs = plan
+            .runs
+            .iter()
+            .map(|run| {
+                let geometry = &frame.hairs[run.hair].geometry;
+                let (first, base, count) = (u64::from(run.run.first), u64::from(run.base), u64::from(run.run.count));
+                let points = || part(&geometry.points, first, count, 16);
+                let attributes = || part(&geometry.attributes, first, count, 8);
+                let projected = || part(&self.projected, base, count, 16);
+                let projected_attributes = || part(&self.projected_attributes, base, count, 8);
+                RunGroups {
+                    project: gpu.bind(
+                        "pelage.project",
+                        Group::Project,
+                        &[points(), attributes(), projected(), projected_attributes()],
+                    ),
+                    segments: gpu.bind("pelage.segments", Group::Segments, &[projected(), projected_attributes()]),
+                    shade: gpu.bind(
+                        "pelage.shade",
+                        Group::Shade,
+                        &[points(), attributes(), geometry.colours.binding(), self.shaded.binding()],
+                    ),
+                }
+            })
+            .collect();
+        let pool = &self.pixels;
+        let pixels: Vec<_> = [
+            &pool.counters,
+            &pool.fill,
+            &pool.links,
+            &pool.keys,
+            &pool.points,
+            &pool.values,
+            &pool.overflow,
+            &self.shaded,
+        ]
+        .into_iter()
+        .map(Allocation::binding)
+        .collect();
+        Groups {
+            serials: plan.serials.clone(),
+            generation: self.generation,
+            runs,
+            maps_written: gpu.bind("pelage.maps_written", Group::MapsWritten, &[self.maps.binding()]),
+            maps_read: gpu.bind("pelage.maps_read", Group::MapsRead, &[self.maps.binding()]),
+            pixels_written: gpu.bind("pelage.pixels_written", Group::PixelsWritten, &pixels),
+            pixels_read: gpu.bind("pelage.pixels_read", Group::PixelsRead, &pixels),
+        }
+    }
+
+    fn write_uniforms(&mut self, gpu: &Gpu, plan: &Plan, target: &Target) -> Result<()> {
+        let slot = &mut self.slots[self.slot];
+        let size = plan.uniforms.len() as u64;
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let stale = slot.uniforms.as_ref().is_none_or(|held| held.size() < size);
+        if stale {
+            slot.uniforms = Some(gpu.allocate("pelage.uniforms", size.next_power_of_two(), usage)?);
+        }
+        let Some(uniforms) = &slot.uniforms else { return Ok(()) };
+        gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
+        if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
+            let bind = |depth: &wgpu::Texture| {
+                let view = depth.create_view(&wgpu::TextureViewDescriptor {
+                    aspect: wgpu::TextureAspect::DepthOnly,
+                    ..Default::default()
+                });
+                let block = |size: usize| {
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: &uniforms.buffer,
+                        offset: 0,
+                        size: std::num::NonZeroU64::new(size as u64),
+                    })
+                };
+                gpu.bind(
+                    "pelage.frame",
+                    Group::Frame,
+                    &[
+                        block(size_of::<crate::layout::Frame>()),
+                        block(size_of::<crate::layout::Drawing>()),
+                        block(size_of::<crate::layout::Material>()),
+                        wgpu::BindingResource::TextureView(&view),
+                    ],
+                )
+            };
+            slot.frame = Some(bind(target.depth.unwrap_or(&self.no_depth)));
+            slot.frame_without_depth = Some(bind(&self.no_depth));
+            slot.depth = target.depth.cloned();
+        }
+        slot.bands = plan.bands.len() as u64;
+        slot.lists = matches!(plan.transparency, Transparency::ABuffer(ABuffer { storage: Storage::Lists, .. }));
+        slot.capacity = self.capacity;
+        Ok(())
+    }
+
+    /// What the passes of the frame just prepared bind.
+    pub fn bound<'a>(&'a self, plan: &Plan) -> Option<Bound<'a>> {
+        if plan.runs.is_empty() {
+            return None;
+        }
+        let slot = &self.slots[self.slot];
+        let groups = self.groups.as_ref()?;
+        Some(Bound {
+            frame: slot.frame.as_ref()?,
+            frame_without_depth: slot.frame_without_depth.as_ref()?,
+            runs: &groups.runs,
+            maps_written: &groups.maps_written,
+            maps_read: &groups.maps_read,
+            pixels_written: &groups.pixels_written,
+            pixels_read: &groups.pixels_read,
+            pixels: &self.pixels,
+            attachment: self.attachment.as_ref().map(|texture| texture.create_view(&Default::default())),
+            can_overflow: self.can_overflow,
+            returned: &slot.counters,
+        })
+    }
+
+    /// Clears the shadow maps for a new frame.
+    pub fn clear_maps(&self, passes: &mut Passes, plan: &Plan) {
+        if plan.map_words > 0 {
+            passes.encode("pelage.shadow.clear", |encoder| {
+                encoder.clear_buffer(&self.maps.buffer, 0, Some(plan.map_words * 4));
+            });
+        }
+    }
+
+    /// Sends the frame's counters on their way back to the host; they arrive some frames later.
+    pub fn read_counters(&self, passes: &mut Passes) {
+        let slot = &self.slots[self.slot];
+        slot.state.store(PENDING, Ordering::Release);
+        let state = slot.state.clone();
+        let arrived = move |result: std::result::Result<(), wgpu::BufferAsyncError>| {
+            state.store(if result.is_ok() { ARRIVED } else { FAILED }, Ordering::Release);
+        };
+        passes.encode("pelage.counters", |encoder| {
+            encoder.map_buffer_on_submit(&slot.counters.buffer, wgpu::MapMode::Read, .., arrived);
+        });
+    }
+
+    /// Whether the slot that the next frame will use is still on its way.
+    pub fn next_slot_busy(&self) -> bool {
+        self.slots[(self.slot + 1) % RING].state.load(Ordering::Acquire) == PENDING
+    }
+
+    /// Takes in all counters that have arrived; the newest.
+    pub fn collect(&mut self) -> Option<Returned> {
+        let mut newest = None;
+        for step in 1..=RING {
+            let number = (self.slot + step) % RING;
+            let slot = &mut self.slots[number];
+            match slot.state.load(Ordering::Acquire) {
+                ARRIVED => {
+                    newest = Some(read_slot(slot));
+                    slot.counters.buffer.unmap();
+                    slot.state.store(IDLE, Ordering::Release);
+                }
+                FAILED => slot.state.store(IDLE, Ordering::Release),
+                _ => {}
+            }
+        }
+        if let Some(returned) = newest {
+            self.needed = returned.needed;
+        }
+        newest
+    }
+}
+
+/// The sums of a slot's bands.
+fn read_slot(slot: &Slot) -> Returned {
+    let mut sum = Returned::default();
+    let Ok(bytes) = slot.counters.buffer.get_mapped_range(..) else { return sum };
+    for band in 0..slot.bands.min(MAX_BANDS) {
+        let at = (band * COUNTER_STRIDE) as usize;
+        let counters: Counters = bytemuck::pod_read_unaligned(&bytes[at..at + size_of::<Counters>()]);
+        let [produced, culled, mut stored, mut merged] =
+            [counters.produced, counters.culled, counters.stored, counters.merged].map(u64::from);
+        let mut needed = produced;
+        if slot.lists {
+            needed = stored;
+            merged = stored.saturating_sub(slot.capacity);
+            stored -= merged;
+        }
+        sum.produced += if slot.lists { needed } else { produced } + culled;
+        sum.culled += culled;
+        sum.stored += stored;
+        sum.merged += merged;
+        sum.mismatched += u64::from(counters.mismatched);
+        sum.covered += u64::from(counters.covered);
+        sum.needed = sum.needed.max(needed);
+    }
+    sum
+}

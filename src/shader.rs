@@ -1,0 +1,119 @@
+//! Which WGSL files make which module. Modules are made by joining files behind a header of constants; an error in one
+//! is mapped back to its file and line.
+
+use crate::layout;
+
+macro_rules! files {
+    ($($stem:literal),* $(,)?) => {
+        /// Every shader file: stem and text.
+        pub(crate) const FILES: &[(&str, &str)] = &[
+            $(($stem, include_str!(concat!("../shaders/", $stem, ".wgsl")))),*
+        ];
+    };
+}
+
+files![
+    "common/layout",
+    "common/frame",
+    "common/optical_depth",
+    "common/coverage",
+    "common/segment",
+    "common/project",
+    "common/scan",
+    "raster/walk",
+    "raster/ribbons",
+    "shading/points",
+    "shading/kajiya_kay",
+    "shadow/none",
+    "shadow/deep_opacity_map",
+    "shadow/deep_opacity_map_common",
+    "shadow/deep_opacity_map_emit",
+    "shadow/deep_opacity_map_prefix",
+    "transparency/emit_common",
+    "transparency/shaded",
+    "transparency/overflow",
+    "transparency/opaque",
+    "transparency/opaque_emit",
+    "transparency/a_buffer",
+    "transparency/a_buffer_emit",
+    "transparency/a_buffer_overflow",
+    "composite",
+    "receive",
+];
+
+/// What every module begins with.
+const COMMON: &[&str] = &["common/layout", "common/frame", "common/optical_depth"];
+
+/// A module to be joined: header constants, then files by stem.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+pub(crate) struct Module {
+    pub constants: Vec<(&'static str, Constant)>,
+    pub files: Vec<&'static str>,
+}
+
+/// A header constant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Constant {
+    U32(u32),
+    Bool(bool),
+}
+
+/// A joined module and where its lines come from.
+pub(crate) struct Joined {
+    pub source: String,
+    /// First line (from 1) of each file in `source`.
+    starts: Vec<(usize, &'static str)>,
+}
+
+impl Module {
+    pub fn new(files: &[&'static str]) -> Self {
+        Self { constants: Vec::new(), files: files.to_vec() }
+    }
+
+    pub fn and(mut self, files: &[&'static str]) -> Self {
+        self.files.extend_from_slice(files);
+        self
+    }
+
+    pub fn with(mut self, name: &'static str, constant: Constant) -> Self {
+        self.constants.push((name, constant));
+        self
+    }
+
+    pub fn join(&self) -> Joined {
+        let mut source = format!(
+            "const MAX_LIGHTS: u32 = {}u;\nconst MAX_SHADOW_VIEWS: u32 = {}u;\n",
+            layout::MAX_LIGHTS,
+            layout::MAX_SHADOW_VIEWS
+        );
+        for (name, constant) in &self.constants {
+            source += &match constant {
+                Constant::U32(value) => format!("const {name}: u32 = {value}u;\n"),
+                Constant::Bool(value) => format!("const {name}: bool = {value};\n"),
+            };
+        }
+        let mut starts = Vec::new();
+        for stem in COMMON.iter().chain(&self.files) {
+            starts.push((source.lines().count() + 1, *stem));
+            source += file(stem);
+        }
+        Joined { source, starts }
+    }
+}
+
+impl Joined {
+    /// The file and line that a line of the joined source came from.
+    pub fn origin(&self, line: usize) -> String {
+        match self.starts.iter().rev().find(|(start, _)| *start <= line) {
+            Some((start, stem)) => format!("shaders/{stem}.wgsl:{}", line - start + 1),
+            None => format!("header:{line}"),
+        }
+    }
+}
+
+/// The text of a file; an unknown stem is our own fault.
+fn file(stem: &str) -> &'static str {
+    let found = FILES.iter().find(|(name, _)| *name == stem);
+    assert!(found.is_some(), "no shader file has the stem {stem}");
+    found.map_or("", |(_, text)| text)
+}

@@ -1,0 +1,164 @@
+//! A-buffer: every fragment of a pixel stored, sorted and composited (Yang et al. 2010, Hunz §5.1).
+
+use crate::error::{Result, invalid};
+use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
+use crate::layout::{OVERFLOW_WORDS, SCAN_BLOCK};
+use crate::plan::{Band, Plan};
+use crate::raster::{self, Draw, Emission, Raster};
+use crate::resources::Bound;
+use crate::shader::{Constant, Module};
+
+const COUNT: Emission = Emission {
+    label: "pelage.transparency.a_buffer.count",
+    stage: 0,
+    files: &[
+        "transparency/emit_common",
+        "transparency/overflow",
+        "transparency/shaded",
+        "transparency/a_buffer_emit",
+    ],
+    group: Group::PixelsWritten,
+};
+const RANGE: Emission = Emission { label: "pelage.transparency.a_buffer.overflow_range", stage: 1, ..COUNT };
+const HISTOGRAM: Emission = Emission { label: "pelage.transparency.a_buffer.overflow_histogram", stage: 2, ..COUNT };
+const SCATTER: Emission = Emission { label: "pelage.transparency.a_buffer.scatter", stage: 3, ..COUNT };
+const LIST: Emission = Emission { label: "pelage.transparency.a_buffer.list", stage: 4, ..COUNT };
+
+/// Rounds of the search for a pixel's share; each parts the depth range by four: 4⁵ = 1,024 depths a pixel.
+const SEARCH_ROUNDS: u32 = 5;
+
+/// Bytes of one stored fragment in counted arrays: key, point, and opacity with place.
+pub const FRAGMENT_BYTES: u64 = 12;
+/// Bytes of one node of a linked list: a fragment and the next node.
+pub const NODE_BYTES: u64 = 16;
+
+/// How the A-buffer keeps a pixel's fragments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Storage {
+    /// Counted first, then stored side by side: two passes, no shared counter.
+    #[default]
+    Counted,
+    /// Per-pixel linked lists: one pass, one counter for all.
+    Lists,
+}
+
+/// Settings of the A-buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ABuffer {
+    /// How fragments are kept.
+    pub storage: Storage,
+    /// The rasteriser.
+    pub raster: Raster,
+    /// Bytes of the fragment pool. `None`: the library estimates, and grows it within the byte budget.
+    pub pool_bytes: Option<u64>,
+}
+
+impl ABuffer {
+    pub(crate) fn validate(&self) -> Result<()> {
+        match self.pool_bytes {
+            Some(bytes) if bytes < FRAGMENT_BYTES.max(NODE_BYTES) => {
+                invalid!("a_buffer: pool_bytes {bytes} holds no fragment; the least is {NODE_BYTES}")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Fills the A-buffer for a band of rows.
+pub(crate) fn record(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    draw: &Draw,
+    plan: &Plan,
+    storage: Storage,
+) -> Result<()> {
+    let pixels = plan.width * band.rows;
+    passes.encode("pelage.transparency.a_buffer.clear", |encoder| {
+        encoder.clear_buffer(&bound.pixels.fill.buffer, 0, Some(u64::from(pixels) * 4));
+        if storage == Storage::Lists {
+            encoder.clear_buffer(&bound.pixels.overflow.buffer, 0, Some(u64::from(pixels) * 4 * OVERFLOW_WORDS));
+        }
+        bound.clear_counters(encoder);
+    });
+    match storage {
+        Storage::Lists => raster::record(gpu, passes, bound, &LIST, draw, plan)?,
+        Storage::Counted => {
+            raster::record(gpu, passes, bound, &COUNT, draw, plan)?;
+            scan(gpu, passes, bound, band, plan, false)?;
+            if bound.can_overflow {
+                search(gpu, passes, bound, band, draw, plan)?;
+                scan(gpu, passes, bound, band, plan, true)?;
+            }
+            raster::record(gpu, passes, bound, &SCATTER, draw, plan)?;
+        }
+    }
+    bound.keep_counters(passes, band.number);
+    Ok(())
+}
+
+/// Finds the depth up to which each pixel's nearest fragments fill its share of a pool that is too small.
+fn search(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, draw: &Draw, plan: &Plan) -> Result<()> {
+    pixel_pass(gpu, passes, bound, band, plan, ("pelage.transparency.a_buffer.overflow_begin", "a_buffer_overflow_begin"))?;
+    raster::record(gpu, passes, bound, &RANGE, draw, plan)?;
+    pixel_pass(gpu, passes, bound, band, plan, ("pelage.transparency.a_buffer.overflow_width", "a_buffer_overflow_range"))?;
+    for _ in 0..SEARCH_ROUNDS {
+        raster::record(gpu, passes, bound, &HISTOGRAM, draw, plan)?;
+        pixel_pass(gpu, passes, bound, band, plan, ("pelage.transparency.a_buffer.overflow_select", "a_buffer_overflow_select"))?;
+    }
+    pixel_pass(gpu, passes, bound, band, plan, ("pelage.transparency.a_buffer.overflow_end", "a_buffer_overflow_end"))
+}
+
+/// One of the search's passes over a band's pixels: label and entry point.
+fn pixel_pass(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    plan: &Plan,
+    (label, entry): (&'static str, &'static str),
+) -> Result<()> {
+    let groups = [Group::Frame, Group::PixelsWritten];
+    let pipeline = gpu.compute(PipelineKey::new(label), entry, &groups, || {
+        Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"])
+    })?;
+    passes.compute(label, |pass| {
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, bound.frame, &[0, band.drawings[0], plan.runs[0].material]);
+        pass.set_bind_group(3, bound.pixels_written, &[]);
+        let (x, y) = workgroups(plan.width * band.rows);
+        pass.dispatch_workgroups(x, y, 1);
+    });
+    Ok(())
+}
+
+/// Turns a band's pixel counts into places; `again` after the search has lowered them.
+fn scan(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, plan: &Plan, again: bool) -> Result<()> {
+    let blocks = (plan.width * band.rows).div_ceil(SCAN_BLOCK);
+    let label = if again { "pelage.transparency.a_buffer.scan_again" } else { "pelage.transparency.a_buffer.scan" };
+    let groups = [Group::Frame, Group::PixelsWritten];
+    let mut pipelines = Vec::with_capacity(3);
+    for (variant, entry) in ["scan_blocks", "scan_totals", "scan_add"].into_iter().enumerate() {
+        let key = PipelineKey { variant: variant as u32, ..PipelineKey::new(label) };
+        pipelines.push(gpu.compute(key, entry, &groups, || {
+            Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again))
+        })?);
+    }
+    passes.compute(label, |pass| {
+        pass.set_bind_group(0, bound.frame, &[0, band.drawings[0], plan.runs[0].material]);
+        pass.set_bind_group(3, bound.pixels_written, &[]);
+        for (pipeline, groups) in pipelines.iter().zip([blocks, 1, blocks]) {
+            pass.set_pipeline(pipeline);
+            pass.dispatch_workgroups(groups, 1, 1);
+        }
+    });
+    Ok(())
+}
+
+/// The files that supply `resolve(pixel)`.
+pub(crate) fn resolve_module(common: Module, storage: Storage) -> Module {
+    common
+        .and(&["transparency/overflow", "transparency/a_buffer"])
+        .with("LISTS", Constant::Bool(storage == Storage::Lists))
+}
