@@ -1,0 +1,38 @@
+//! Shoulder-length curls: locks that wind as helices, of either hand.
+
+use super::comb::{Lock, Style, Winding, wind};
+use crate::groom::{Curve, Stray};
+use glam::Vec3;
+
+/// The style.
+pub(super) const STYLE: Style = Style {
+    seed: 0x4355_524c,
+    points: 33,
+    curve: Curve::CatmullRom,
+    longest: 0.36,
+    cut_height: -0.165,
+    layering: 0.06,
+    volume: 0.030,
+    leaders: 0.16,
+    gather: [0.65, 0.97],
+    clump: [0.5, 0.9],
+    raggedness: 0.18,
+    stray: Stray {
+        fraction: 0.05,
+        strength: 0.08,
+    },
+    shape,
+};
+
+/// A helix whose radius, turn, phase and hand belong to the lock.
+fn shape(points: &mut [Vec3], lock: &mut Lock) {
+    let radius = lock.shared.between(0.006, 0.010) * lock.own.between(0.8, 1.15);
+    let curls = Winding {
+        amplitude: [radius, radius],
+        turn: lock.shared.between(0.038, 0.050),
+        phase: std::f32::consts::TAU * lock.shared.uniform() + 0.35 * lock.own.signed(),
+        onset: [0.005, 0.07],
+        hand: if lock.shared.uniform() < 0.5 { -1.0 } else { 1.0 },
+    };
+    wind(points, &curls);
+}

@@ -1,0 +1,94 @@
+//! A distance field's zero surface as triangles, by naive surface nets: one vertex a cell that the surface crosses, at
+//! the mean of its edge crossings; one quad a crossed grid edge (Gibson, *Constrained elastic surface nets*, 1998).
+
+use super::head::gradient;
+use crate::groom::Mesh;
+use glam::{IVec3, Vec3, ivec3};
+use std::collections::HashMap;
+
+/// Cells along the edge of the blocks that are skipped where the surface is far.
+const BLOCK: i32 = 4;
+
+/// A skipped block's distance must exceed its half diagonal by this factor, for a field that is only a bound.
+const SKIP: f32 = 1.6;
+
+/// Polygonises `field` inside the box from `low`, of `cells` cells of edge `spacing`, which must hold the surface.
+pub(super) fn polygonise(field: impl Fn(Vec3) -> f32, low: Vec3, cells: IVec3, spacing: f32) -> Mesh {
+    let place = |corner: IVec3| low + corner.as_vec3() * spacing;
+    let mut net = Net::default();
+    for block in boxes(IVec3::ZERO, cells / BLOCK) {
+        let first = block * BLOCK;
+        let middle = place(first) + Vec3::splat(0.5 * BLOCK as f32 * spacing);
+        let reach = 0.5 * 3f32.sqrt() * BLOCK as f32 * spacing;
+        if field(middle).abs() > SKIP * reach {
+            continue;
+        }
+        for cell in boxes(first, first + BLOCK) {
+            net.add_vertex(cell, &field, &place);
+        }
+    }
+    net.stitch();
+    let normals = net.positions.iter().map(|p| gradient(&field, *p, 0.25 * spacing).to_array()).collect();
+    Mesh {
+        positions: net.positions.iter().map(|p| p.to_array()).collect(),
+        normals,
+        indices: net.indices,
+    }
+}
+
+#[derive(Default)]
+struct Net {
+    /// The vertex of a crossed cell.
+    vertices: HashMap<IVec3, u32>,
+    /// Crossed cells in the order they were met, with the signs (inside: true) of corner 0 and its three neighbours.
+    cells: Vec<(IVec3, [bool; 4])>,
+    positions: Vec<Vec3>,
+    indices: Vec<u32>,
+}
+
+impl Net {
+    fn add_vertex(&mut self, cell: IVec3, field: &impl Fn(Vec3) -> f32, place: &impl Fn(IVec3) -> Vec3) {
+        let corner = |k: usize| cell + ivec3((k & 1) as i32, (k >> 1 & 1) as i32, (k >> 2) as i32);
+        let values: [f32; 8] = std::array::from_fn(|k| field(place(corner(k))));
+        let (mut sum, mut crossings) = (Vec3::ZERO, 0.0);
+        for a in 0..8usize {
+            for axis in [1, 2, 4] {
+                let b = a | axis;
+                if b != a && (values[a] < 0.0) != (values[b] < 0.0) {
+                    let t = values[a] / (values[a] - values[b]);
+                    sum += place(corner(a)).lerp(place(corner(b)), t);
+                    crossings += 1.0;
+                }
+            }
+        }
+        if crossings > 0.0 {
+            self.vertices.insert(cell, self.positions.len() as u32);
+            self.positions.push(sum / crossings);
+            self.cells.push((cell, [0, 1, 2, 4].map(|k| values[k] < 0.0)));
+        }
+    }
+
+    /// Two triangles for each crossed edge from a cell's corner 0, between the four cells around it.
+    fn stitch(&mut self) {
+        for (cell, inside) in std::mem::take(&mut self.cells) {
+            for axis in 0..3 {
+                if inside[0] == inside[axis + 1] {
+                    continue;
+                }
+                let [u, v] = [(axis + 1) % 3, (axis + 2) % 3].map(|k| IVec3::AXES[k]);
+                let ring = [cell, cell - u, cell - u - v, cell - v].map(|c| self.vertices.get(&c).copied());
+                let [Some(a), Some(b), Some(c), Some(d)] = ring else {
+                    continue;
+                };
+                // The surface faces from the inside corner to the outside one.
+                let quad = if inside[0] { [a, b, c, a, c, d] } else { [a, c, b, a, d, c] };
+                self.indices.extend(quad);
+            }
+        }
+    }
+}
+
+/// All integer points from `low` up to but not including `high`, in a fixed order.
+fn boxes(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> {
+    (low.z..high.z).flat_map(move |z| (low.y..high.y).flat_map(move |y| (low.x..high.x).map(move |x| ivec3(x, y, z))))
+}

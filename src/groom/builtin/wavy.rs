@@ -1,0 +1,39 @@
+//! Long wavy hair: flat waves that run through each wisp together.
+
+use super::comb::{Lock, Style, Winding, wind};
+use crate::groom::{Curve, Stray};
+use glam::Vec3;
+
+/// The style.
+pub(super) const STYLE: Style = Style {
+    seed: 0x5741_5659,
+    points: 33,
+    curve: Curve::CatmullRom,
+    longest: 0.48,
+    cut_height: -0.225,
+    layering: 0.05,
+    volume: 0.024,
+    leaders: 0.10,
+    gather: [0.35, 0.8],
+    clump: [0.35, 0.9],
+    raggedness: 0.25,
+    stray: Stray {
+        fraction: 0.04,
+        strength: 0.07,
+    },
+    shape,
+};
+
+/// Waves of a wisp's own length and phase, mostly along the head.
+fn shape(points: &mut [Vec3], lock: &mut Lock) {
+    let size = lock.shared.between(0.8, 1.2) * lock.own.between(0.8, 1.2);
+    // Neighbouring wisps start their waves together and drift apart with their wavelengths.
+    let waves = Winding {
+        amplitude: [0.0065 * size, 0.0035 * size],
+        turn: lock.shared.between(0.062, 0.078),
+        phase: 0.7 * lock.shared.signed() + 0.3 * lock.own.signed() + 40.0 * points[0].y,
+        onset: [0.04, 0.16],
+        hand: 1.0,
+    };
+    wind(points, &waves);
+}
