@@ -1,1 +1,13 @@
-//! Double-precision ground truth.
+//! Double-precision ground truth for hair rendering, on the CPU.
+//!
+//! Everything here is derived from definitions and papers, runs in `f64`, and shares no code with the renderer whose
+//! error it measures.
+//!
+//! - [`scene`]: strands and cameras as plain data
+//! - [`project`]: strands on the screen, clipped at the near plane
+
+pub mod project;
+pub mod scene;
+
+
+pub use glam;
