@@ -5,9 +5,12 @@
 //!
 //! - [`scene`]: strands and cameras as plain data
 //! - [`project`]: strands on the screen, clipped at the near plane
+//! - [`coverage`]: the area of a pixel that a fibre covers, exactly and by supersampling
 
+pub mod coverage;
 pub mod project;
 pub mod scene;
 
+mod random;
 
 pub use glam;
