@@ -6,8 +6,10 @@
 //! - [`scene`]: strands and cameras as plain data
 //! - [`project`]: strands on the screen, clipped at the near plane
 //! - [`coverage`]: the area of a pixel that a fibre covers, exactly and by supersampling
+//! - [`fragments`]: the exact list of fragments of every pixel
 
 pub mod coverage;
+pub mod fragments;
 pub mod project;
 pub mod scene;
 
