@@ -7,8 +7,12 @@
 //! - [`project`]: strands on the screen, clipped at the near plane
 //! - [`coverage`]: the area of a pixel that a fibre covers, exactly and by supersampling
 //! - [`fragments`]: the exact list of fragments of every pixel
+//! - [`composite`]: what those lists look like
+//! - [`error`]: how far one image is from another
 
+pub mod composite;
 pub mod coverage;
+pub mod error;
 pub mod fragments;
 pub mod project;
 pub mod scene;
