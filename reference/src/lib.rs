@@ -8,6 +8,7 @@
 //! - [`coverage`]: the area of a pixel that a fibre covers, exactly and by supersampling
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
+//! - [`transmittance`]: how much light reaches a point through other fibres
 //! - [`error`]: how far one image is from another
 
 pub mod composite;
@@ -16,7 +17,9 @@ pub mod error;
 pub mod fragments;
 pub mod project;
 pub mod scene;
+pub mod transmittance;
 
+mod bvh;
 mod random;
 
 pub use glam;
