@@ -9,12 +9,14 @@
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
 //! - [`transmittance`]: how much light reaches a point through other fibres
+//! - [`kajiya_kay`]: how a fibre scatters it
 //! - [`error`]: how far one image is from another
 
 pub mod composite;
 pub mod coverage;
 pub mod error;
 pub mod fragments;
+pub mod kajiya_kay;
 pub mod project;
 pub mod scene;
 pub mod transmittance;
