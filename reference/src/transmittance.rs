@@ -21,6 +21,9 @@ use rayon::prelude::*;
 /// of its own radii at the point.
 pub const OWN_RADII: f64 = 4.0;
 
+/// The square of the sine below which a segment is taken to run along a ray.
+const END_ON: f64 = 1e-24;
+
 /// Where light comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
@@ -76,22 +79,60 @@ struct Cylinder {
     start: DVec3,
     along: DVec3,
     radii: [f64; 2],
-    /// Segments of one strand that follow one another have ids that do; those of two strands never.
-    id: u32,
-    /// Whether the strand starts, or ends, here: there the cylinder is cut straight, elsewhere joints are filled.
-    ends: [bool; 2],
+    /// Where it lies among all segments that have a length, in the strands' order.
+    rank: u32,
+    strand: u32,
+    /// Length of the strand up to the segment's start.
+    arc: f64,
+    /// The segment before it, from start to end, or `None` where the strand starts.
+    before: Option<DVec3>,
+    /// Whether the strand ends with it.
+    is_last: bool,
+}
+
+/// A segment that a ray hits.
+#[derive(Clone, Copy)]
+struct Hit {
+    rank: u32,
+    strand: u32,
+    /// Lengths of the strand up to the segment's start and end.
+    arc: [f64; 2],
+    radius: f64,
+}
+
+impl Hit {
+    /// Whether `next`, a later hit in the strands' order, belongs to the same crossing: nothing lies between them, or
+    /// no more of the strand than it is wide.
+    fn goes_on_in(&self, next: &Self) -> bool {
+        self.strand == next.strand && next.arc[0] - self.arc[1] <= 2.0 * self.radius
+    }
 }
 
 impl Cylinder {
+    fn radius(&self) -> f64 {
+        self.radii[0].max(self.radii[1])
+    }
+
     fn bounds(&self) -> Aabb {
-        let radius = self.radii[0].max(self.radii[1]);
         let end = self.start + self.along;
         Aabb {
-            min: self.start.min(end) - radius,
-            max: self.start.max(end) + radius,
+            min: self.start.min(end) - self.radius(),
+            max: self.start.max(end) + self.radius(),
         }
     }
 
+    fn hit(&self) -> Hit {
+        let arc = [self.arc, self.arc + self.along.length()];
+        Hit {
+            rank: self.rank,
+            strand: self.strand,
+            arc,
+            radius: self.radius(),
+        }
+    }
+
+    /// Whether a ray passes within the radius of the axis, between the segment's ends or in the wedge that a bend opens
+    /// between the segment before and this one. A strand's ends are cut straight.
     fn is_hit(&self, ray: &Ray) -> bool {
         // Seen along the ray, the ray is a point and the axis a line.
         let to_start = self.start - ray.origin;
@@ -100,17 +141,17 @@ impl Cylinder {
         let along = self.along - ray.direction * slope;
         let seen = along.length_squared();
 
-        if seen <= 1e-24 * self.along.length_squared() {
+        if seen <= END_ON * self.along.length_squared() {
             let nearest = depth.min(depth + slope);
             let farthest = depth.max(depth + slope);
-            let radius = self.radii[0].max(self.radii[1]);
-            return start.length() <= radius && farthest > 0.0 && nearest < ray.length;
+            return start.length() <= self.radius() && farthest > 0.0 && nearest < ray.length;
         }
         let unbounded = -start.dot(along) / seen;
-        if (self.ends[0] && unbounded < 0.0) || (self.ends[1] && unbounded > 1.0) {
+        let in_wedge = || self.before.is_some_and(|before| -start.dot(before) > 0.0);
+        if unbounded > 1.0 || (unbounded < 0.0 && !in_wedge()) {
             return false;
         }
-        let t = unbounded.clamp(0.0, 1.0);
+        let t = unbounded.max(0.0);
         let radius = self.radii[0] + (self.radii[1] - self.radii[0]) * t;
         let at = depth + slope * t;
         at > 0.0 && at < ray.length && (start + along * t).length_squared() <= radius * radius
@@ -144,10 +185,10 @@ pub struct Occluders {
     /// In the order of the hierarchy.
     cylinders: Vec<Cylinder>,
     bvh: Bvh,
-    /// The same in the order of the strands: id and place in `cylinders`.
-    by_strand: Vec<u32>,
-    /// For each point of the strands, the place in `by_strand` of the segment that starts there, or of the nearest one
-    /// with a length before it, else after it.
+    /// For each rank, the place in `cylinders`.
+    by_rank: Vec<u32>,
+    /// For each point of the strands, the rank of the segment that starts there, or of the nearest one with a length
+    /// before it, else after it.
     of_point: Vec<Option<u32>>,
 }
 
@@ -155,37 +196,35 @@ pub struct Occluders {
 fn cylinders_of(strands: &Strands) -> (Vec<Cylinder>, Vec<Option<u32>>) {
     let mut cylinders: Vec<Cylinder> = Vec::new();
     let mut of_point = vec![None; strands.points.len()];
-    let mut id = 0;
     for strand in 0..strands.len() {
         let range = strands.range(strand);
         let first = cylinders.len();
+        let mut arc = 0.0;
         for i in range.clone().take(range.len().saturating_sub(1)) {
-            let [start, end] = [strands.points[i], strands.points[i + 1]];
-            if start != end {
-                let radii = [strands.radii[i], strands.radii[i + 1]];
+            let along = strands.points[i + 1] - strands.points[i];
+            if along != DVec3::ZERO {
                 cylinders.push(Cylinder {
-                    start,
-                    along: end - start,
-                    radii,
-                    id,
-                    ends: [false; 2],
+                    start: strands.points[i],
+                    along,
+                    radii: [strands.radii[i], strands.radii[i + 1]],
+                    rank: cylinders.len() as u32,
+                    strand: strand as u32,
+                    arc,
+                    before: cylinders[first..].last().map(|before| before.along),
+                    is_last: false,
                 });
-                id += 1;
+                arc += along.length();
             }
             of_point[i] = (cylinders.len() > first).then(|| cylinders.len() as u32 - 1);
         }
         if cylinders.len() == first {
             continue;
         }
-        cylinders[first].ends[0] = true;
-        cylinders.last_mut().expect("the strand has one").ends[1] = true;
-        let last = cylinders.len() as u32 - 1;
-        of_point[range.end - 1] = Some(last);
+        cylinders.last_mut().expect("the strand has one").is_last = true;
+        of_point[range.end - 1] = Some(cylinders.len() as u32 - 1);
         for own in &mut of_point[range] {
             own.get_or_insert(first as u32);
         }
-        // A gap, so that this strand's last segment and the next one's first are not neighbours.
-        id += 1;
     }
     (cylinders, of_point)
 }
@@ -193,59 +232,59 @@ fn cylinders_of(strands: &Strands) -> (Vec<Cylinder>, Vec<Option<u32>>) {
 impl Occluders {
     /// Prepares all segments of the strands; those of no length stop nothing.
     pub fn new(strands: &Strands) -> Self {
-        let (unordered, of_point) = cylinders_of(strands);
-        let bounds: Vec<Aabb> = unordered.par_iter().map(Cylinder::bounds).collect();
+        let (in_order, of_point) = cylinders_of(strands);
+        let bounds: Vec<Aabb> = in_order.par_iter().map(Cylinder::bounds).collect();
         let bvh = Bvh::new(&bounds);
         let cylinders: Vec<Cylinder> = bvh
             .order()
             .iter()
-            .map(|&item| unordered[item as usize])
+            .map(|&rank| in_order[rank as usize])
             .collect();
-        let mut by_strand = vec![0; cylinders.len()];
-        for (place, &item) in bvh.order().iter().enumerate() {
-            by_strand[item as usize] = place as u32;
+        let mut by_rank = vec![0; cylinders.len()];
+        for (place, &rank) in bvh.order().iter().enumerate() {
+            by_rank[rank as usize] = place as u32;
         }
         Self {
             cylinders,
             bvh,
-            by_strand,
+            by_rank,
             of_point,
         }
     }
 
-    /// Ids of the segments around `own_segment` that are not asked about, first and last.
+    /// Ranks of the segments around `own_segment` that are not asked about, first and last: up to the first one on each
+    /// side that is wholly outside of the footprint's path.
     fn own_path(&self, own_segment: usize, path: &Ray, footprint: f64) -> Option<[u32; 2]> {
         let own = self.of_point[own_segment]? as usize;
-        let segment = |place: usize| &self.cylinders[self.by_strand[place] as usize];
-        let reach = footprint + OWN_RADII * segment(own).radii[0].max(segment(own).radii[1]);
-        let within = |place: usize| segment(place).distance_from(path) <= reach;
+        let segment = |rank: usize| &self.cylinders[self.by_rank[rank] as usize];
+        let reach = footprint + OWN_RADII * segment(own).radius();
+        let within = |rank: usize| segment(rank).distance_from(path) <= reach;
 
-        let mut first = own;
-        while !segment(first).ends[0] && (first == own || within(first)) {
+        let [mut first, mut last] = [own; 2];
+        while segment(first).before.is_some() && (first == own || within(first)) {
             first -= 1;
         }
-        let mut last = own;
-        while !segment(last).ends[1] && (last == own || within(last)) {
+        while !segment(last).is_last && (last == own || within(last)) {
             last += 1;
         }
-        Some([segment(first).id, segment(last).id])
+        Some([first as u32, last as u32])
     }
 
-    /// How many times a ray crosses a fibre, but for the segments whose ids lie in `own`.
-    fn crossings_of(&self, ray: &Ray, own: Option<[u32; 2]>, hits: &mut Vec<u32>) -> usize {
+    /// How many times a ray crosses a fibre, but for the segments whose ranks lie in `own`.
+    fn crossings_of(&self, ray: &Ray, own: Option<[u32; 2]>, hits: &mut Vec<Hit>) -> usize {
         hits.clear();
+        let asked = |rank: u32| own.is_none_or(|[first, last]| rank < first || rank > last);
         self.bvh.visit_ranges(ray, |range| {
             let hit = self.cylinders[range]
                 .iter()
-                .filter(|cylinder| cylinder.is_hit(ray));
-            hits.extend(hit.map(|cylinder| cylinder.id));
+                .filter(|cylinder| asked(cylinder.rank) && cylinder.is_hit(ray));
+            hits.extend(hit.map(Cylinder::hit));
         });
-        hits.retain(|&id| own.is_none_or(|[first, last]| id < first || id > last));
-        hits.sort_unstable();
+        hits.sort_unstable_by_key(|hit| hit.rank);
         hits.len()
             - hits
                 .windows(2)
-                .filter(|pair| pair[1] == pair[0] + 1)
+                .filter(|pair| pair[0].goes_on_in(&pair[1]))
                 .count()
     }
 
