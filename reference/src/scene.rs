@@ -52,6 +52,20 @@ impl Strands {
     }
 }
 
+/// The view_from_world matrix of an eye that looks at `target`: right-handed, x to the right, y up, z backwards.
+/// `up` has any length but 0 and is not parallel to the view.
+pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> DMat4 {
+    let back = (eye - target).normalize();
+    let right = up.cross(back).normalize();
+    let world_from_view = DMat4::from_cols(
+        right.extend(0.0),
+        back.cross(right).extend(0.0),
+        back.extend(0.0),
+        eye.extend(1.0),
+    );
+    world_from_view.inverse()
+}
+
 /// A view of the world: of an eye, or of a light that looks at what it lights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
