@@ -58,8 +58,8 @@ fn features(d: f32, q: Vec3) -> f32 {
     d = join(d, eyeball, 0.003);
     let upper_lid = capsule(q, vec3(0.021, 0.005, 0.075), vec3(0.043, 0.003, 0.069), 0.003, 0.003);
     d = join(d, upper_lid, 0.005);
-    let bridge = capsule(q, vec3(0.0, 0.010, 0.083), vec3(0.0, -0.033, 0.103), 0.007, 0.009);
-    let nostril = sphere(q - vec3(0.011, -0.037, 0.091), 0.007);
+    let bridge = capsule(q, vec3(0.0, 0.010, 0.083), vec3(0.0, -0.032, 0.0985), 0.007, 0.0115);
+    let nostril = sphere(q - vec3(0.0115, -0.037, 0.088), 0.0075);
     d = join(d, join(bridge, nostril, 0.008), 0.010);
     let upper_lip = capsule(q, vec3(0.004, -0.0640, 0.0835), vec3(0.020, -0.0680, 0.0755), 0.0055, 0.003);
     let lower_lip = capsule(q, vec3(0.0, -0.0755, 0.0815), vec3(0.017, -0.0715, 0.0750), 0.0065, 0.003);
@@ -76,9 +76,9 @@ fn ear(q: Vec3) -> f32 {
     // Tilted back and standing off the head.
     let local = q - vec3(0.076, -0.010, -0.014);
     let tilted = vec3(local.x - 0.25 * (-local.z).max(-0.01), local.y, local.z + 0.25 * local.y);
-    let shell = ellipsoid(tilted, vec3(0.008, 0.030, 0.018));
-    let bowl = ellipsoid(tilted - vec3(0.011, 0.003, 0.002), vec3(0.008, 0.018, 0.011));
-    carve(shell, bowl, 0.005)
+    let shell = ellipsoid(tilted, vec3(0.010, 0.030, 0.018));
+    let bowl = ellipsoid(tilted - vec3(0.014, 0.003, 0.003), vec3(0.009, 0.018, 0.010));
+    carve(shell, bowl, 0.006)
 }
 
 fn torso(q: Vec3) -> f32 {
