@@ -43,7 +43,9 @@ fn roots_are_on_the_scalp_and_leave_the_face_free() {
             let [_, y, z] = points[0];
             assert!(head_distance(points[0]) < 0.001);
             assert!(y > 0.06 || z < 0.07, "a root on the face at {:?}", points[0]);
-            let free = points.iter().all(|p| !(p[0].abs() < 0.04 && p[2] > 0.05 && (-0.12..0.05).contains(&p[1])));
+            let free = points
+                .iter()
+                .all(|p| !(p[0].abs() < 0.04 && p[2] > 0.05 && (-0.12..0.05).contains(&p[1])));
             assert!(free, "{groom:?}: a strand before the face from {:?}", points[0]);
         }
     }
@@ -62,7 +64,9 @@ fn the_scalp_has_no_bald_patches() {
     let strands = builtin(BuiltinGroom::Straight, 4000).unwrap();
     let roots: Vec<[f32; 3]> = strands_of(&strands).map(|points| points[0]).collect();
     for p in head_mesh().positions.iter().filter(|p| p[1] > 0.09) {
-        let near = roots.iter().any(|r| (0..3).map(|axis| (r[axis] - p[axis]).powi(2)).sum::<f32>() < 0.012f32.powi(2));
+        let near = roots
+            .iter()
+            .any(|r| (0..3).map(|axis| (r[axis] - p[axis]).powi(2)).sum::<f32>() < 0.012f32.powi(2));
         assert!(near, "no root within 12 mm of {p:?}");
     }
 }
@@ -70,7 +74,11 @@ fn the_scalp_has_no_bald_patches() {
 #[test]
 fn the_head_is_one_closed_surface_that_faces_outwards() {
     let mesh = head_mesh();
-    assert!((10_000..25_000).contains(&mesh.triangle_count()), "{}", mesh.triangle_count());
+    assert!(
+        (10_000..25_000).contains(&mesh.triangle_count()),
+        "{}",
+        mesh.triangle_count()
+    );
     let mut edges = HashMap::new();
     let mut volume = 0.0;
     for triangle in mesh.indices.chunks_exact(3) {
@@ -78,11 +86,19 @@ fn the_head_is_one_closed_surface_that_faces_outwards() {
             *edges.entry((triangle[k], triangle[(k + 1) % 3])).or_insert(0) += 1;
         }
         let [a, b, c] = [0, 1, 2].map(|k| mesh.positions[triangle[k] as usize].map(f64::from));
-        let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+        let cross = [
+            b[1] * c[2] - b[2] * c[1],
+            b[2] * c[0] - b[0] * c[2],
+            b[0] * c[1] - b[1] * c[0],
+        ];
         volume += (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6.0;
     }
     for ((a, b), count) in &edges {
-        assert_eq!(edges.get(&(*b, *a)), Some(count), "the edge from {a} to {b} has no partner");
+        assert_eq!(
+            edges.get(&(*b, *a)),
+            Some(count),
+            "the edge from {a} to {b} has no partner"
+        );
     }
     // A head of about 4 l, the neck and the tops of the shoulders.
     assert!((0.004..0.012).contains(&volume), "{volume} m³");

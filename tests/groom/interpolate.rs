@@ -91,16 +91,25 @@ proptest! {
 fn fractions_of_strands_add_up_over_many_triangles() {
     const TRIANGLES: usize = 4000;
     let guides = Guides::on_mesh(three_guides(), vec![[0, 1, 2]; TRIANGLES]).unwrap();
-    let settings = InterpolationSettings { density: 0.6, ..Default::default() };
+    let settings = InterpolationSettings {
+        density: 0.6,
+        ..Default::default()
+    };
     let count = interpolate_on_mesh(&guides, &settings).unwrap().strand_count() as f64;
     let (expected, deviation) = (0.3 * TRIANGLES as f64, (0.3 * 0.7 * TRIANGLES as f64).sqrt());
     // Four standard deviations of independent chances.
-    assert!((count - expected).abs() < 4.0 * deviation, "{count} strands for {expected}");
+    assert!(
+        (count - expected).abs() < 4.0 * deviation,
+        "{count} strands for {expected}"
+    );
 }
 
 #[test]
 fn roots_are_uniform_over_the_triangle() {
-    let settings = InterpolationSettings { density: 40_000.0, ..Default::default() };
+    let settings = InterpolationSettings {
+        density: 40_000.0,
+        ..Default::default()
+    };
     let strands = interpolate_on_mesh(&one_triangle(), &settings).unwrap();
     let count = strands.strand_count() as f64;
     let mean = |axis: usize| strands_of(&strands).map(|s| f64::from(s[0][axis])).sum::<f64>() / count;
@@ -112,8 +121,14 @@ fn roots_are_uniform_over_the_triangle() {
 
 #[test]
 fn only_strays_leave_and_as_far_as_stated() {
-    let calm = InterpolationSettings { density: 2000.0, ..Default::default() };
-    let stray = Stray { fraction: 0.25, strength: 0.5 };
+    let calm = InterpolationSettings {
+        density: 2000.0,
+        ..Default::default()
+    };
+    let stray = Stray {
+        fraction: 0.25,
+        strength: 0.5,
+    };
     let [calm, wild] = [calm, InterpolationSettings { stray, ..calm }]
         .map(|settings| interpolate_on_mesh(&one_triangle(), &settings).unwrap());
     let mut strays = 0;
@@ -129,26 +144,74 @@ fn only_strays_leave_and_as_far_as_stated() {
 
 #[test]
 fn guides_of_differing_point_counts_are_brought_to_the_longest() {
-    let points = vec![[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0, 2.0, 0.0], [0.0, 1.0, 1.0]];
-    let guides = Strands::new(points, &[2, 3, 1], 0.1).unwrap().with_curve(Curve::CatmullRom);
+    let points = vec![
+        [0.0, 0.0, 0.0],
+        [0.0, 2.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 0.5, 0.0],
+        [1.0, 2.0, 0.0],
+        [0.0, 1.0, 1.0],
+    ];
+    let guides = Strands::new(points, &[2, 3, 1], 0.1)
+        .unwrap()
+        .with_curve(Curve::CatmullRom);
     let guides = Guides::on_mesh(guides, vec![[0, 1, 2]]).unwrap();
-    let strands =
-        interpolate_on_mesh(&guides, &InterpolationSettings { density: 20.0, ..Default::default() }).unwrap();
+    let strands = interpolate_on_mesh(
+        &guides,
+        &InterpolationSettings {
+            density: 20.0,
+            ..Default::default()
+        },
+    )
+    .unwrap();
     assert!(strands.strand_count() > 0 && strands_of(&strands).all(|s| s.len() == 3));
     assert_eq!(strands.curve(), Curve::CatmullRom);
 }
 
 #[test]
 fn bad_settings_are_named() {
-    let settings = InterpolationSettings { density: 1.0, ..Default::default() };
+    let settings = InterpolationSettings {
+        density: 1.0,
+        ..Default::default()
+    };
     let stray = |fraction, strength| Stray { fraction, strength };
     let bad = [
-        (InterpolationSettings { density: f32::NAN, ..settings }, "density NaN"),
-        (InterpolationSettings { density: -1.0, ..settings }, "density -1"),
-        (InterpolationSettings { density: 1e12, ..settings }, "density 1000000000000 makes"),
+        (
+            InterpolationSettings {
+                density: f32::NAN,
+                ..settings
+            },
+            "density NaN",
+        ),
+        (
+            InterpolationSettings {
+                density: -1.0,
+                ..settings
+            },
+            "density -1",
+        ),
+        (
+            InterpolationSettings {
+                density: 1e12,
+                ..settings
+            },
+            "density 1000000000000 makes",
+        ),
         (InterpolationSettings { clump: 1.5, ..settings }, "clump 1.5"),
-        (InterpolationSettings { stray: stray(-0.1, 0.0), ..settings }, "stray.fraction -0.1"),
-        (InterpolationSettings { stray: stray(0.1, f32::INFINITY), ..settings }, "stray.strength inf"),
+        (
+            InterpolationSettings {
+                stray: stray(-0.1, 0.0),
+                ..settings
+            },
+            "stray.fraction -0.1",
+        ),
+        (
+            InterpolationSettings {
+                stray: stray(0.1, f32::INFINITY),
+                ..settings
+            },
+            "stray.strength inf",
+        ),
     ];
     for (settings, named) in bad {
         let error = interpolate_on_mesh(&one_triangle(), &settings).unwrap_err().to_string();
@@ -156,17 +219,39 @@ fn bad_settings_are_named() {
     }
     let clumps = ClumpSettings::default();
     let bad = [
-        (ClumpSettings { followers: MAX_INTERPOLATED_STRANDS as u32, ..clumps }, "followers 16777216"),
-        (ClumpSettings { root_radius: -1.0, ..clumps }, "root_radius -1"),
-        (ClumpSettings { tip_factor: f32::NAN, ..clumps }, "tip_factor NaN"),
+        (
+            ClumpSettings {
+                followers: MAX_INTERPOLATED_STRANDS as u32,
+                ..clumps
+            },
+            "followers 16777216",
+        ),
+        (
+            ClumpSettings {
+                root_radius: -1.0,
+                ..clumps
+            },
+            "root_radius -1",
+        ),
+        (
+            ClumpSettings {
+                tip_factor: f32::NAN,
+                ..clumps
+            },
+            "tip_factor NaN",
+        ),
     ];
     for (settings, named) in bad {
         let error = interpolate_clumps(&three_guides(), &settings).unwrap_err().to_string();
         assert!(error.contains(named), "{error}");
     }
-    let error = interpolate_on_mesh(&Guides::new(three_guides()), &settings).unwrap_err().to_string();
+    let error = interpolate_on_mesh(&Guides::new(three_guides()), &settings)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("no mesh"), "{error}");
-    let error = Guides::on_mesh(three_guides(), vec![[0, 1, 2], [0, 3, 1]]).unwrap_err().to_string();
+    let error = Guides::on_mesh(three_guides(), vec![[0, 1, 2], [0, 3, 1]])
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("triangle 1: guide 3"), "{error}");
 }
 
@@ -174,5 +259,10 @@ fn bad_settings_are_named() {
 fn no_guides_make_no_strands() {
     let none = interpolate_on_mesh(&Guides::default(), &InterpolationSettings::default()).unwrap();
     assert_eq!(none.strand_count(), 0);
-    assert_eq!(interpolate_clumps(&Strands::default(), &ClumpSettings::default()).unwrap().strand_count(), 0);
+    assert_eq!(
+        interpolate_clumps(&Strands::default(), &ClumpSettings::default())
+            .unwrap()
+            .strand_count(),
+        0
+    );
 }

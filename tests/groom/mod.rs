@@ -10,8 +10,10 @@ use std::path::PathBuf;
 
 /// A shared data file's bytes, or `None`, with a line on stderr, where it is not there.
 fn shared_data(test: &str, path: &str) -> Option<Vec<u8>> {
-    let root = std::env::var_os("PELAGE_SHARED")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")), PathBuf::from);
+    let root = std::env::var_os("PELAGE_SHARED").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")),
+        PathBuf::from,
+    );
     let bytes = std::fs::read(root.join("data").join(path)).ok();
     if bytes.is_none() {
         eprintln!("skipped: {test}: data/{path}");
