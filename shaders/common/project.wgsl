@@ -103,8 +103,9 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     var after = ProjectSide(vec2f(0.0), 0.0);
     if (flags & PROJECTED_CUT_START) == 0u { before = project_side(index, position, false); }
     if (flags & PROJECTED_CUT_END) == 0u { after = project_side(index, position, true); }
-    if dot(before.direction, after.direction) < -0.5 { flags |= PROJECTED_BREAK; }
-    let sum = before.direction + after.direction;
+    // Both directions lead away from the point: a straight strand has -1 here, a turn of more than 120° above ½.
+    if dot(before.direction, after.direction) > 0.5 { flags |= PROJECTED_BREAK; }
+    let sum = after.direction - before.direction;
     let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
 
     // The strand's tangent in relative space.
