@@ -306,3 +306,40 @@ fn strands_at_and_around_the_eye_stay_finite() {
             .all(|f| f.coverage.is_finite() && f.depth.is_finite() && f.t.is_finite())
     );
 }
+
+#[test]
+fn two_segments_share_out_pixels_along_the_bisector_of_their_joint() {
+    // Right and then down, around (64.3, 64.4): the bisector plane's normal is (1, 1).
+    let corner = DVec2::new(64.3, 64.4);
+    let points = [corner - DVec2::X * 30.0, corner, corner + DVec2::Y * 30.0];
+    let lists = lists_of(&on_screen(&points, 3.0));
+    let mut owned = [0, 0];
+    for pixel in 0..lists.pixels() {
+        for fragment in lists.pixel(pixel) {
+            let offset = centre(pixel) - corner;
+            assert_eq!(
+                fragment.segment,
+                u32::from(offset.x + offset.y >= 0.0),
+                "{offset}"
+            );
+            owned[fragment.segment as usize] += 1;
+        }
+    }
+    assert!(owned[0] > 150 && owned[1] > 150, "{owned:?}");
+}
+
+#[test]
+fn a_strand_may_be_walked_from_either_end() {
+    let mut points = arc(30.0, 4.0, 23, 0.77);
+    let forwards = lists_of(&on_screen(&points, 1.3));
+    points.reverse();
+    let backwards = lists_of(&on_screen(&points, 1.3));
+    for pixel in 0..forwards.pixels() {
+        let [forwards, backwards] = [&forwards, &backwards].map(|lists| total(lists.pixel(pixel)));
+        assert!(
+            (forwards - backwards).abs() < 1e-12,
+            "{}: {forwards} {backwards}",
+            centre(pixel)
+        );
+    }
+}
