@@ -56,7 +56,11 @@ pub(crate) struct Scalp {
 /// Height over the hairline in metres; negative where no hair grows.
 pub(crate) fn height_over_hairline(p: Vec3) -> f32 {
     let azimuth = p.x.abs().atan2(p.z + 0.01);
-    let after = HAIRLINE.iter().position(|[angle, _]| *angle >= azimuth).unwrap_or(HAIRLINE.len() - 1).max(1);
+    let after = HAIRLINE
+        .iter()
+        .position(|[angle, _]| *angle >= azimuth)
+        .unwrap_or(HAIRLINE.len() - 1)
+        .max(1);
     let ([a, low], [b, high]) = (HAIRLINE[after - 1], HAIRLINE[after]);
     let t = ((azimuth - a) / (b - a)).clamp(0.0, 1.0);
     let height = p.y - (low + (high - low) * t * t * (3.0 - 2.0 * t));
@@ -101,7 +105,11 @@ impl Scalp {
         self.roots.push(root);
         self.normals.push(head::gradient(head::skull_of, root, 1e-3));
         self.sides.push(side);
-        let other_side = if side > 0.0 && across > 0 { (ALONG * ACROSS) as u32 } else { 0 };
+        let other_side = if side > 0.0 && across > 0 {
+            (ALONG * ACROSS) as u32
+        } else {
+            0
+        };
         self.keys.push((along * ACROSS + across) as u32 + other_side);
     }
 
@@ -118,7 +126,9 @@ impl Scalp {
         let mut ends = Vec::with_capacity(self.triangles.len());
         let mut total = 0.0f64;
         for t in &self.triangles {
-            let area = (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).length();
+            let area = (corner(t[1]) - corner(t[0]))
+                .cross(corner(t[2]) - corner(t[0]))
+                .length();
             total += f64::from(area);
             ends.push(total);
         }

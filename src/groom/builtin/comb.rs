@@ -79,7 +79,10 @@ pub(super) fn comb(style: &Style, count: usize) -> Result<Strands> {
         .collect();
     let placements = scalp.placements(count, &clump, &style.stray, style.seed);
 
-    let courses = guides.iter().flat_map(|guide| guide.course.iter().map(|p| p.to_array())).collect();
+    let courses = guides
+        .iter()
+        .flat_map(|guide| guide.course.iter().map(|p| p.to_array()))
+        .collect();
     let guide_strands = Strands::new(courses, &vec![style.points as u32; guides.len()], 0.0)?;
     let strands = blend(&EvenGuides::new(&guide_strands), &placements)?;
     let mut points: Vec<Vec3> = strands.points().iter().map(|p| Vec3::from(*p)).collect();
@@ -104,11 +107,15 @@ fn taper(strands: Strands, root: f32) -> Result<Strands> {
 
 /// Slightly different brightness a strand, as in real hair.
 fn tints(count: usize, seed: u32) -> Vec<[f32; 3]> {
-    (0..count as u32).map(|strand| [Draws::new(strand, seed ^ 2).between(0.8, 1.0); 3]).collect()
+    (0..count as u32)
+        .map(|strand| [Draws::new(strand, seed ^ 2).between(0.8, 1.0); 3])
+        .collect()
 }
 
 fn nearest_guide(placement: &Placement) -> usize {
-    let nearest = (0..3).max_by(|a, b| placement.root[*a].total_cmp(&placement.root[*b])).unwrap_or(0);
+    let nearest = (0..3)
+        .max_by(|a, b| placement.root[*a].total_cmp(&placement.root[*b]))
+        .unwrap_or(0);
     placement.guides[nearest] as usize
 }
 
@@ -209,7 +216,9 @@ fn flow(p: Vec3, normal: Vec3, side: f32) -> Vec3 {
     let near_parting = smooth(0.06, 0.0, (p.x - PARTING_X).abs());
     let lateral = side * (top * (1.0 - back) + 0.25 * near_parting * (1.0 - back));
     let wanted = vec3(lateral, -1.0 + 0.55 * top * (1.0 - back), -0.35 * top - 0.75 * front);
-    (wanted - normal * wanted.dot(normal)).try_normalize().unwrap_or(-Vec3::Y)
+    (wanted - normal * wanted.dot(normal))
+        .try_normalize()
+        .unwrap_or(-Vec3::Y)
 }
 
 /// Hair that meets the shoulders slides off them to the front or the back, not outwards.
@@ -245,7 +254,10 @@ fn gather(scalp: &Scalp, courses: Vec<Vec<Vec3>>, style: &Style) -> Vec<Guide> {
         scalp.roots[a].distance(scalp.roots[b]) + other_side
     };
     let nearest = |guide: usize| {
-        let nearest = leaders.iter().copied().min_by(|a, b| distance(guide, *a).total_cmp(&distance(guide, *b)));
+        let nearest = leaders
+            .iter()
+            .copied()
+            .min_by(|a, b| distance(guide, *a).total_cmp(&distance(guide, *b)));
         nearest.unwrap_or(guide)
     };
     let join = |guide: usize| {
@@ -291,15 +303,23 @@ pub(super) struct Winding {
 /// Winds a strand around its own course.
 pub(super) fn wind(points: &mut [Vec3], winding: &Winding) {
     let course = points.to_vec();
-    let start = winding.aligned_at.map_or(0.0, |height| length_to_height(&course, height));
+    let start = winding
+        .aligned_at
+        .map_or(0.0, |height| length_to_height(&course, height));
     let mut length = 0.0;
     for i in 1..points.len() {
         length += course[i].distance(course[i - 1]);
-        let tangent = (course[(i + 1).min(course.len() - 1)] - course[i - 1]).try_normalize().unwrap_or(-Vec3::Y);
+        let tangent = (course[(i + 1).min(course.len() - 1)] - course[i - 1])
+            .try_normalize()
+            .unwrap_or(-Vec3::Y);
         let away = course[i] - vec3(0.0, course[i].y.min(0.03), -0.02);
-        let across = tangent.cross(away).try_normalize().unwrap_or_else(|| tangent.any_orthonormal_vector());
+        let across = tangent
+            .cross(away)
+            .try_normalize()
+            .unwrap_or_else(|| tangent.any_orthonormal_vector());
         let out = across.cross(tangent);
-        let (sin, cos) = (winding.phase + winding.hand * std::f32::consts::TAU * (length - start) / winding.turn).sin_cos();
+        let (sin, cos) =
+            (winding.phase + winding.hand * std::f32::consts::TAU * (length - start) / winding.turn).sin_cos();
         let grown = smooth(winding.onset[0], winding.onset[1], length);
         // The outward part is lifted by its amplitude, so that winding makes volume instead of entering the head.
         let [wide, high] = winding.amplitude;

@@ -22,7 +22,9 @@ pub(crate) fn hair_distance(p: Vec3) -> f32 {
 /// The outward unit normal of a distance field by central differences.
 pub(crate) fn gradient(field: impl Fn(Vec3) -> f32, p: Vec3, step: f32) -> Vec3 {
     let slope = |axis: Vec3| field(p + axis * step) - field(p - axis * step);
-    vec3(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z)).try_normalize().unwrap_or(Vec3::Y)
+    vec3(slope(Vec3::X), slope(Vec3::Y), slope(Vec3::Z))
+        .try_normalize()
+        .unwrap_or(Vec3::Y)
 }
 
 /// Signed distance estimate to the head without its ears, in metres: where hair grows.
@@ -58,11 +60,23 @@ fn features(d: f32, q: Vec3) -> f32 {
     d = join(d, eyeball, 0.003);
     let upper_lid = capsule(q, vec3(0.021, 0.005, 0.075), vec3(0.043, 0.003, 0.069), 0.003, 0.003);
     d = join(d, upper_lid, 0.005);
-    let bridge = capsule(q, vec3(0.0, 0.010, 0.083), vec3(0.0, -0.033, 0.103), 0.007, 0.009);
-    let nostril = sphere(q - vec3(0.011, -0.037, 0.091), 0.007);
+    let bridge = capsule(q, vec3(0.0, 0.010, 0.083), vec3(0.0, -0.032, 0.0985), 0.007, 0.0115);
+    let nostril = sphere(q - vec3(0.0115, -0.037, 0.088), 0.0075);
     d = join(d, join(bridge, nostril, 0.008), 0.010);
-    let upper_lip = capsule(q, vec3(0.004, -0.0640, 0.0835), vec3(0.020, -0.0680, 0.0755), 0.0055, 0.003);
-    let lower_lip = capsule(q, vec3(0.0, -0.0755, 0.0815), vec3(0.017, -0.0715, 0.0750), 0.0065, 0.003);
+    let upper_lip = capsule(
+        q,
+        vec3(0.0, -0.0640, 0.0840),
+        vec3(0.020, -0.0680, 0.0755),
+        0.0055,
+        0.003,
+    );
+    let lower_lip = capsule(
+        q,
+        vec3(0.0, -0.0755, 0.0815),
+        vec3(0.017, -0.0715, 0.0750),
+        0.0065,
+        0.003,
+    );
     let lips = join(upper_lip, lower_lip, 0.006);
     join(d, lips, 0.008)
 }
@@ -75,10 +89,14 @@ pub(crate) fn ears(p: Vec3) -> f32 {
 fn ear(q: Vec3) -> f32 {
     // Tilted back and standing off the head.
     let local = q - vec3(0.076, -0.010, -0.014);
-    let tilted = vec3(local.x - 0.25 * (-local.z).max(-0.01), local.y, local.z + 0.25 * local.y);
-    let shell = ellipsoid(tilted, vec3(0.008, 0.030, 0.018));
-    let bowl = ellipsoid(tilted - vec3(0.011, 0.003, 0.002), vec3(0.008, 0.018, 0.011));
-    carve(shell, bowl, 0.005)
+    let tilted = vec3(
+        local.x - 0.25 * (-local.z).max(-0.01),
+        local.y,
+        local.z + 0.25 * local.y,
+    );
+    let shell = ellipsoid(tilted, vec3(0.010, 0.030, 0.018));
+    let bowl = ellipsoid(tilted - vec3(0.014, 0.003, 0.003), vec3(0.009, 0.018, 0.010));
+    carve(shell, bowl, 0.006)
 }
 
 fn torso(q: Vec3) -> f32 {
@@ -109,7 +127,11 @@ fn ellipsoid(p: Vec3, radii: Vec3) -> f32 {
     let scaled = (p / radii).length();
     let slope = (p / (radii * radii)).length();
     // At the centre the estimate is 0/0; there the distance is the shortest radius.
-    if slope > 1e-6 { scaled * (scaled - 1.0) / slope } else { -radii.min_element() }
+    if slope > 1e-6 {
+        scaled * (scaled - 1.0) / slope
+    } else {
+        -radii.min_element()
+    }
 }
 
 /// A capsule between two balls of different radii (the cone between them by linear interpolation).

@@ -58,9 +58,9 @@ pub fn builtin(groom: BuiltinGroom, strand_count: usize) -> Result<Strands> {
 pub fn head_mesh() -> Mesh {
     // Finer where the face is.
     let grid = [
-        surface_nets::planes([-0.208, 0.208], 0.0, 0.042, [0.0039, 0.0094]),
-        surface_nets::planes([-0.272, 0.14], -0.035, 0.062, [0.0039, 0.0094]),
-        surface_nets::planes([-0.145, 0.125], 0.09, 0.036, [0.0039, 0.0088]),
+        surface_nets::planes([-0.208, 0.208], 0.0, 0.062, [0.0042, 0.0100]),
+        surface_nets::planes([-0.272, 0.14], -0.035, 0.062, [0.0042, 0.0098]),
+        surface_nets::planes([-0.145, 0.125], 0.09, 0.036, [0.0040, 0.0088]),
     ];
     surface_nets::polygonise(head::distance, &grid)
 }

@@ -46,7 +46,11 @@ pub(super) fn polygonise(field: impl Fn(Vec3) -> f32, grid: &[Planes; 3]) -> Mes
         }
     }
     net.stitch();
-    let normals = net.positions.iter().map(|p| gradient(&field, *p, NORMAL_STEP).to_array()).collect();
+    let normals = net
+        .positions
+        .iter()
+        .map(|p| gradient(&field, *p, NORMAL_STEP).to_array())
+        .collect();
     Mesh {
         positions: net.positions.iter().map(|p| p.to_array()).collect(),
         normals,
@@ -99,7 +103,11 @@ impl Net {
                     continue;
                 };
                 // The surface faces from the inside corner to the outside one.
-                let quad = if inside[0] { [a, b, c, a, c, d] } else { [a, c, b, a, d, c] };
+                let quad = if inside[0] {
+                    [a, b, c, a, c, d]
+                } else {
+                    [a, c, b, a, d, c]
+                };
                 self.indices.extend(quad);
             }
         }

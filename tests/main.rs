@@ -1,0 +1,3 @@
+//! All tests of the library as one binary.
+
+mod groom;
