@@ -21,8 +21,10 @@ struct Part {
 pub fn load(scene: &Scene) -> Result<Strands> {
     let parts: Vec<Part> = scene.hair.iter().map(part).collect::<Result<_>>()?;
     let guess = parts.iter().any(|part| !part.has_radius);
-    let owned: Vec<bool> =
-        parts.iter().flat_map(|part| std::iter::repeat_n(part.has_radius, part.strands.points().len())).collect();
+    let owned: Vec<bool> = parts
+        .iter()
+        .flat_map(|part| std::iter::repeat_n(part.has_radius, part.strands.points().len()))
+        .collect();
     let strands = join(parts.into_iter().map(|part| part.strands).collect())?;
     if let Some(radius) = scene.fibre.radius {
         return strands
@@ -35,13 +37,26 @@ pub fn load(scene: &Scene) -> Result<Strands> {
     // The groom's size as a whole decides, not that of each of its files.
     let root = strands.fitting_radius();
     let taper = |at: usize| root * (1.0 + (TIP_TAPER - 1.0) * strands.coordinates()[at]);
-    let radii = (0..owned.len()).map(|at| if owned[at] { strands.radii()[at] } else { taper(at) }).collect();
-    strands.with_point_radii(radii).map_err(|error| error.to_string())
+    let radii = (0..owned.len())
+        .map(|at| {
+            if owned[at] {
+                strands.radii()[at]
+            } else {
+                taper(at)
+            }
+        })
+        .collect();
+    strands
+        .with_point_radii(radii)
+        .map_err(|error| error.to_string())
 }
 
 /// Whether a scene's hair comes with the built-in head.
 pub fn has_builtin_head(scene: &Scene) -> bool {
-    scene.hair.iter().any(|source| matches!(source, HairSource::Builtin(_)))
+    scene
+        .hair
+        .iter()
+        .any(|source| matches!(source, HairSource::Builtin(_)))
 }
 
 /// The scene file's name of a source.
@@ -58,7 +73,10 @@ pub fn name(source: &HairSource) -> String {
 fn part(source: &HairSource) -> Result<Part> {
     match source {
         HairSource::Builtin(groom) => builtin(*groom, BuiltinGroom::DEFAULT_STRAND_COUNT)
-            .map(|strands| Part { strands, has_radius: true })
+            .map(|strands| Part {
+                strands,
+                has_radius: true,
+            })
             .map_err(|error| error.to_string()),
         HairSource::File(path) => file(path),
     }
@@ -69,8 +87,12 @@ fn file(path: &Path) -> Result<Part> {
     let bytes = std::fs::read(path).map_err(|error| format!("{name} cannot be read: {error}"))?;
     let strands = formats::read(&bytes).map_err(|error| format!("{name}: {error}"))?;
     // TressFX holds no radius; HAIR may hold zeros.
-    let has_radius = bytes.starts_with(b"HAIR") && strands.radii().iter().any(|radius| *radius > 0.0);
-    Ok(Part { strands, has_radius })
+    let has_radius =
+        bytes.starts_with(b"HAIR") && strands.radii().iter().any(|radius| *radius > 0.0);
+    Ok(Part {
+        strands,
+        has_radius,
+    })
 }
 
 /// Puts grooms one after the other.
@@ -87,13 +109,39 @@ fn join(mut grooms: Vec<Strands>) -> Result<Strands> {
         }
     }
     let curve = grooms.first().map_or(Curve::Polyline, Strands::curve);
-    let counts: Vec<u32> =
-        grooms.iter().flat_map(|groom| groom.offsets().windows(2).map(|span| span[1] - span[0])).collect();
-    let points = grooms.iter().flat_map(|groom| groom.points().iter().copied()).collect();
+    let counts: Vec<u32> = grooms
+        .iter()
+        .flat_map(|groom| groom.offsets().windows(2).map(|span| span[1] - span[0]))
+        .collect();
+    let points = grooms
+        .iter()
+        .flat_map(|groom| groom.points().iter().copied())
+        .collect();
     Strands::new(points, &counts, 0.0)
-        .and_then(|all| all.with_point_radii(grooms.iter().flat_map(|g| g.radii().iter().copied()).collect()))
-        .and_then(|all| all.with_colours(grooms.iter().flat_map(|g| g.colours().iter().copied()).collect()))
-        .and_then(|all| all.with_coordinates(grooms.iter().flat_map(|g| g.coordinates().iter().copied()).collect()))
+        .and_then(|all| {
+            all.with_point_radii(
+                grooms
+                    .iter()
+                    .flat_map(|g| g.radii().iter().copied())
+                    .collect(),
+            )
+        })
+        .and_then(|all| {
+            all.with_colours(
+                grooms
+                    .iter()
+                    .flat_map(|g| g.colours().iter().copied())
+                    .collect(),
+            )
+        })
+        .and_then(|all| {
+            all.with_coordinates(
+                grooms
+                    .iter()
+                    .flat_map(|g| g.coordinates().iter().copied())
+                    .collect(),
+            )
+        })
         .map(|all| all.with_curve(curve))
         .map_err(|error| error.to_string())
 }

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use picture::{Renderer, Rendered};
+use picture::{Rendered, Renderer};
 use scene::{Result, Scene};
 
 /// Frames that are rendered before any is timed: shaders are compiled and pools find their size.
@@ -55,7 +55,9 @@ fn parse_size(text: &str) -> Result<[u32; 2]> {
 }
 
 fn main() -> ExitCode {
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn")).format_target(false).init();
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn"))
+        .format_target(false)
+        .init();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return refuse_arguments(&error),
@@ -77,8 +79,16 @@ fn refuse_arguments(error: &clap::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let text = error.to_string();
-    let reason: Vec<&str> = text.split("\n\nUsage:").next().unwrap_or(&text).lines().collect();
-    eprintln!("render: {}", one_sentence(reason.join(" ").trim_start_matches("error: ")));
+    let reason: Vec<&str> = text
+        .split("\n\nUsage:")
+        .next()
+        .unwrap_or(&text)
+        .lines()
+        .collect();
+    eprintln!(
+        "render: {}",
+        one_sentence(reason.join(" ").trim_start_matches("error: "))
+    );
     ExitCode::from(2)
 }
 
@@ -89,10 +99,12 @@ fn one_sentence(text: &str) -> String {
 
 fn run(arguments: &Arguments) -> Result<()> {
     output::prepare(&arguments.out)?;
-    let steps = 4 + u64::from(WARM_UP_FRAMES + arguments.frames) + u64::from(arguments.stats.is_some());
+    let steps =
+        4 + u64::from(WARM_UP_FRAMES + arguments.frames) + u64::from(arguments.stats.is_some());
     // Drawn on stderr, and only if that is a terminal.
     let progress = ProgressBar::new(steps).with_style(
-        ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} [{elapsed}]").map_err(|error| error.to_string())?,
+        ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} [{elapsed}]")
+            .map_err(|error| error.to_string())?,
     );
     let step = |message: &'static str| {
         progress.inc(1);
@@ -124,7 +136,11 @@ fn run(arguments: &Arguments) -> Result<()> {
     let png = output::write(&arguments.out, &picture)?;
     if let Some(path) = &arguments.stats {
         step("timing each pass");
-        let rendered = Rendered { picture: &picture, times: output::Spread::of(&times), statistics: &statistics };
+        let rendered = Rendered {
+            picture: &picture,
+            times: output::Spread::of(&times),
+            statistics: &statistics,
+        };
         let value = renderer.statistics_json(&scene, &rendered)?;
         output::write_json(path, &value)?;
     }

@@ -54,12 +54,24 @@ impl MeshPass {
     /// Uploads a mesh, and what lights it.
     pub fn new(device: &wgpu::Device, image: &Image, mesh: &Mesh, scenery: &Scenery) -> Self {
         let buffer = |label, contents: &[u8], usage| {
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage,
+            })
         };
         // Relative to the eye, so that large world coordinates keep their precision.
-        let relative = |p: &[f32; 3]| (Vec3::from(*p).as_dvec3() - scenery.eye).as_vec3().to_array();
-        let vertices: Vec<[[f32; 3]; 2]> =
-            mesh.positions.iter().zip(&mesh.normals).map(|(p, normal)| [relative(p), *normal]).collect();
+        let relative = |p: &[f32; 3]| {
+            (Vec3::from(*p).as_dvec3() - scenery.eye)
+                .as_vec3()
+                .to_array()
+        };
+        let vertices: Vec<[[f32; 3]; 2]> = mesh
+            .positions
+            .iter()
+            .zip(&mesh.normals)
+            .map(|(p, normal)| [relative(p), *normal])
+            .collect();
         let uniform = buffer(
             "host.meshes.scene",
             bytemuck::bytes_of(&scene_uniform(scenery)),
@@ -69,13 +81,24 @@ impl MeshPass {
         let bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("host.meshes"),
             layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: uniform.as_entire_binding(),
+            }],
         });
         Self {
             pipeline,
             bindings,
-            vertices: buffer("host.meshes.vertices", bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX),
-            indices: buffer("host.meshes.indices", bytemuck::cast_slice(&mesh.indices), wgpu::BufferUsages::INDEX),
+            vertices: buffer(
+                "host.meshes.vertices",
+                bytemuck::cast_slice(&vertices),
+                wgpu::BufferUsages::VERTEX,
+            ),
+            indices: buffer(
+                "host.meshes.indices",
+                bytemuck::cast_slice(&mesh.indices),
+                wgpu::BufferUsages::INDEX,
+            ),
             index_count: mesh.indices.len() as u32,
         }
     }
@@ -83,7 +106,10 @@ impl MeshPass {
     /// Clears colour and depth, and draws the meshes.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, image: &Image) {
         let colour = image.colour.create_view(&Default::default());
-        let depth = image.depth.as_ref().map(|depth| depth.create_view(&Default::default()));
+        let depth = image
+            .depth
+            .as_ref()
+            .map(|depth| depth.create_view(&Default::default()));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("host.meshes"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -95,10 +121,15 @@ impl MeshPass {
                     store: wgpu::StoreOp::Store,
                 },
             })],
-            depth_stencil_attachment: depth.as_ref().map(|view| wgpu::RenderPassDepthStencilAttachment {
-                view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
+            depth_stencil_attachment: depth.as_ref().map(|view| {
+                wgpu::RenderPassDepthStencilAttachment {
+                    view,
+                    depth_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(1.0),
+                        store: wgpu::StoreOp::Store,
+                    }),
+                    stencil_ops: None,
+                }
             }),
             ..Default::default()
         });
@@ -117,11 +148,20 @@ fn scene_uniform(scenery: &Scenery) -> SceneUniform {
     let mut fill = Vec3::ZERO;
     for (slot, light) in lights.iter_mut().zip(scenery.lights) {
         *slot = match light.kind {
-            LightKind::Directional { direction, irradiance } => {
+            LightKind::Directional {
+                direction,
+                irradiance,
+            } => {
                 fill += FILL * irradiance / std::f32::consts::PI;
-                LightUniform { place: (-direction).as_vec3().extend(0.0), power: irradiance.extend(0.0) }
+                LightUniform {
+                    place: (-direction).as_vec3().extend(0.0),
+                    power: irradiance.extend(0.0),
+                }
             }
-            LightKind::Point { position, intensity } => LightUniform {
+            LightKind::Point {
+                position,
+                intensity,
+            } => LightUniform {
                 place: (position - scenery.eye).as_vec3().extend(1.0),
                 power: intensity.extend(0.0),
             },

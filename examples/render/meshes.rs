@@ -43,15 +43,30 @@ fn read(path: &Path, mesh: &mut Mesh) -> Result<()> {
         .map_err(|error| format!("{name} is no OBJ file that can be read: {error}"))?;
     for model in models {
         let first = mesh.positions.len() as u32;
-        let positions = model.mesh.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]);
+        let positions = model
+            .mesh
+            .positions
+            .chunks_exact(3)
+            .map(|p| [p[0], p[1], p[2]]);
         mesh.positions.extend(positions);
-        mesh.indices.extend(model.mesh.indices.iter().map(|index| first + index));
+        mesh.indices
+            .extend(model.mesh.indices.iter().map(|index| first + index));
     }
-    if let Some(at) = mesh.positions.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+    if let Some(at) = mesh
+        .positions
+        .iter()
+        .position(|p| !p.iter().all(|c| c.is_finite()))
+    {
         return Err(format!("{name}: vertex {at} is not finite"));
     }
-    if mesh.indices.iter().any(|index| *index as usize >= mesh.positions.len()) {
-        return Err(format!("{name}: a face has a vertex that is not in the file"));
+    if mesh
+        .indices
+        .iter()
+        .any(|index| *index as usize >= mesh.positions.len())
+    {
+        return Err(format!(
+            "{name}: a face has a vertex that is not in the file"
+        ));
     }
     if mesh.indices.is_empty() {
         return Err(format!("{name} has no faces"));
@@ -71,6 +86,10 @@ fn smooth_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
             *sums.entry(key(*index)).or_insert(Vec3::ZERO) += normal;
         }
     }
-    let normal = |index: u32| sums.get(&key(index)).map_or(Vec3::Y, |sum| sum.normalize_or(Vec3::Y)).to_array();
+    let normal = |index: u32| {
+        sums.get(&key(index))
+            .map_or(Vec3::Y, |sum| sum.normalize_or(Vec3::Y))
+            .to_array()
+    };
     (0..mesh.positions.len() as u32).map(normal).collect()
 }

@@ -43,7 +43,8 @@ pub fn write(path: &Path, picture: &Picture) -> Result<PathBuf> {
     exr::prelude::write_rgba_file(path, width, height, pixel)
         .map_err(|error| format!("{} cannot be written: {error}", path.display()))?;
     let beside = path.with_extension("png");
-    write_png(&beside, picture).map_err(|error| format!("{} cannot be written: {error}", beside.display()))?;
+    write_png(&beside, picture)
+        .map_err(|error| format!("{} cannot be written: {error}", beside.display()))?;
     Ok(beside)
 }
 
@@ -55,22 +56,31 @@ fn write_png(path: &Path, picture: &Picture) -> std::result::Result<(), png::Enc
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::High);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let bytes: Vec<u8> =
-        picture.pixels.iter().flat_map(|pixel| [pixel.x, pixel.y, pixel.z]).map(srgb_byte).collect();
+    let bytes: Vec<u8> = picture
+        .pixels
+        .iter()
+        .flat_map(|pixel| [pixel.x, pixel.y, pixel.z])
+        .map(srgb_byte)
+        .collect();
     encoder.write_header()?.write_image_data(&bytes)
 }
 
 /// IEC 61966-2-1.
 fn srgb_byte(linear: f32) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
-    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    let encoded = if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    };
     (255.0 * encoded).round() as u8
 }
 
 /// Writes JSON with line breaks.
 pub fn write_json(path: &Path, value: &Value) -> Result<()> {
     make_folder(path)?;
-    std::fs::write(path, format!("{value:#}\n")).map_err(|error| format!("{} cannot be written: {error}", path.display()))
+    std::fs::write(path, format!("{value:#}\n"))
+        .map_err(|error| format!("{} cannot be written: {error}", path.display()))
 }
 
 /// Least, median and greatest of some times in milliseconds.
@@ -90,8 +100,16 @@ impl Spread {
         let mut times = times.to_vec();
         times.sort_unstable_by(f64::total_cmp);
         let middle = times.len() / 2;
-        let median = if times.len() % 2 == 1 { times[middle] } else { 0.5 * (times[middle - 1] + times[middle]) };
-        Self { min: times[0], median, max: times[times.len() - 1] }
+        let median = if times.len() % 2 == 1 {
+            times[middle]
+        } else {
+            0.5 * (times[middle - 1] + times[middle])
+        };
+        Self {
+            min: times[0],
+            median,
+            max: times[times.len() - 1],
+        }
     }
 
     /// As the statistics file has it.

@@ -52,34 +52,71 @@ impl Renderer {
             wgpu::TextureFormat::Rgba16Float
         };
         let has_meshes = !mesh.indices.is_empty();
-        let image = offscreen.create_image(framing.width, framing.height, format, has_meshes).map_err(sentence)?;
-        let scenery = Scenery { view: framing.view, eye: framing.eye, lights: &lights, ambient };
-        let meshes = has_meshes.then(|| MeshPass::new(offscreen.renderer.device(), &image, mesh, &scenery));
+        let image = offscreen
+            .create_image(framing.width, framing.height, format, has_meshes)
+            .map_err(sentence)?;
+        let scenery = Scenery {
+            view: framing.view,
+            eye: framing.eye,
+            lights: &lights,
+            ambient,
+        };
+        let meshes =
+            has_meshes.then(|| MeshPass::new(offscreen.renderer.device(), &image, mesh, &scenery));
         let mut hair = offscreen.renderer.create_hair(strands).map_err(sentence)?;
         hair.opacity = scene.fibre.opacity;
         hair.shading = scene.shading;
-        Ok(Self { offscreen, image, hair, meshes, framing, lights, ambient, transparency: scene.transparency })
+        Ok(Self {
+            offscreen,
+            image,
+            hair,
+            meshes,
+            framing,
+            lights,
+            ambient,
+            transparency: scene.transparency,
+        })
     }
 
     /// Renders a frame and waits for it. Returns the wall clock from the start of recording, in milliseconds.
     pub fn render(&mut self) -> Result<f64> {
         let start = Instant::now();
-        let mut encoder = self.offscreen.renderer.device().create_command_encoder(&Default::default());
+        let mut encoder = self
+            .offscreen
+            .renderer
+            .device()
+            .create_command_encoder(&Default::default());
         if let Some(meshes) = &self.meshes {
             meshes.record(&mut encoder, &self.image);
         }
         let hairs = [&self.hair];
-        let frame = frame(&hairs, &self.lights, self.ambient, &self.framing, self.transparency);
+        let frame = frame(
+            &hairs,
+            &self.lights,
+            self.ambient,
+            &self.framing,
+            self.transparency,
+        );
         let target = target(&self.image, self.meshes.is_none());
-        self.offscreen.renderer.record(&mut encoder, &frame, &target).map_err(sentence)?;
+        self.offscreen
+            .renderer
+            .record(&mut encoder, &frame, &target)
+            .map_err(sentence)?;
         self.submit(encoder)?;
         Ok(milliseconds(start))
     }
 
     /// What the last frame drew.
     pub fn picture(&mut self) -> Result<Picture> {
-        let pixels = self.offscreen.read_colour(&self.image.colour).map_err(sentence)?;
-        Ok(Picture { width: self.framing.width, height: self.framing.height, pixels })
+        let pixels = self
+            .offscreen
+            .read_colour(&self.image.colour)
+            .map_err(sentence)?;
+        Ok(Picture {
+            width: self.framing.width,
+            height: self.framing.height,
+            pixels,
+        })
     }
 
     /// Of the last frame that was waited for.
@@ -97,15 +134,34 @@ impl Renderer {
         let mut times = Vec::new();
         if let Some(meshes) = &self.meshes {
             let start = Instant::now();
-            let mut encoder = self.offscreen.renderer.device().create_command_encoder(&Default::default());
+            let mut encoder = self
+                .offscreen
+                .renderer
+                .device()
+                .create_command_encoder(&Default::default());
             meshes.record(&mut encoder, &self.image);
             self.submit(encoder)?;
-            times.push(PassTime { label: "host.meshes".into(), ms: milliseconds(start) });
+            times.push(PassTime {
+                label: "host.meshes".into(),
+                ms: milliseconds(start),
+            });
         }
         let hairs = [&self.hair];
-        let frame = frame(&hairs, &self.lights, self.ambient, &self.framing, self.transparency);
+        let frame = frame(
+            &hairs,
+            &self.lights,
+            self.ambient,
+            &self.framing,
+            self.transparency,
+        );
         let target = target(&self.image, self.meshes.is_none());
-        times.extend(self.offscreen.renderer.render_timed(&frame, &target).map_err(sentence)?.passes);
+        times.extend(
+            self.offscreen
+                .renderer
+                .render_timed(&frame, &target)
+                .map_err(sentence)?
+                .passes,
+        );
         Ok(times)
     }
 
@@ -113,16 +169,35 @@ impl Renderer {
     /// depth, has an alpha there.
     fn count_covered(&mut self) -> Result<u64> {
         let hairs = [&self.hair];
-        let frame = frame(&hairs, &self.lights, self.ambient, &self.framing, self.transparency);
-        let target = Target { clear: true, receive_shadow: false, ..target(&self.image, false) };
+        let frame = frame(
+            &hairs,
+            &self.lights,
+            self.ambient,
+            &self.framing,
+            self.transparency,
+        );
+        let target = Target {
+            clear: true,
+            receive_shadow: false,
+            ..target(&self.image, false)
+        };
         self.offscreen.render(&frame, &target).map_err(sentence)?;
-        Ok(self.picture()?.pixels.iter().filter(|pixel| pixel.w > 0.0).count() as u64)
+        Ok(self
+            .picture()?
+            .pixels
+            .iter()
+            .filter(|pixel| pixel.w > 0.0)
+            .count() as u64)
     }
 
     /// The statistics file.
     pub fn statistics_json(&mut self, scene: &Scene, rendered: &Rendered) -> Result<Value> {
         let passes = self.pass_times()?;
-        let Rendered { picture, times, statistics } = rendered;
+        let Rendered {
+            picture,
+            times,
+            statistics,
+        } = rendered;
         let covered = match statistics.covered_pixels {
             0 if statistics.fragments.produced > 0 => self.count_covered()?,
             counted => counted,
@@ -131,7 +206,10 @@ impl Renderer {
         for (label, bytes) in &statistics.bytes {
             by_label.insert(label.clone(), json!(bytes));
         }
-        let passes: Vec<Value> = passes.iter().map(|pass| json!({ "label": pass.label, "ms": pass.ms })).collect();
+        let passes: Vec<Value> = passes
+            .iter()
+            .map(|pass| json!({ "label": pass.label, "ms": pass.ms }))
+            .collect();
         let info = self.adapter_info();
         Ok(json!({
             "adapter": info.name,
@@ -156,14 +234,28 @@ impl Renderer {
 
     /// The scene as it was rendered, with nothing left open.
     fn settings(&self, scene: &Scene) -> Value {
-        let Framing { eye, target, up, vfov_deg, width, height, .. } = self.framing;
+        let Framing {
+            eye,
+            target,
+            up,
+            vfov_deg,
+            width,
+            height,
+            ..
+        } = self.framing;
         let lights: Vec<Value> = self.lights.iter().map(light_settings).collect();
         let hair: Vec<String> = scene.hair.iter().map(groom::name).collect();
         let radii = self.hair.strands().radii();
-        let (least, most) = radii.iter().fold((f32::INFINITY, 0.0f32), |(a, b), r| (a.min(*r), b.max(*r)));
+        let (least, most) = radii
+            .iter()
+            .fold((f32::INFINITY, 0.0f32), |(a, b), r| (a.min(*r), b.max(*r)));
         let mut fibre = json!(scene.fibre);
         // One number where it is one, else the range.
-        fibre["radius"] = if least == most { json!(least) } else { json!([least, most]) };
+        fibre["radius"] = if least == most {
+            json!(least)
+        } else {
+            json!([least, most])
+        };
         let meshes = match &scene.meshes {
             Some(paths) => json!(paths),
             None if self.meshes.is_some() => json!(["builtin:head"]),
@@ -187,8 +279,14 @@ impl Renderer {
 
     fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
         self.offscreen.renderer.queue().submit([encoder.finish()]);
-        let waited = self.offscreen.renderer.device().poll(wgpu::PollType::wait_indefinitely());
-        waited.map(|_| ()).map_err(|error| format!("the device is lost: {error}"))
+        let waited = self
+            .offscreen
+            .renderer
+            .device()
+            .poll(wgpu::PollType::wait_indefinitely());
+        waited
+            .map(|_| ())
+            .map_err(|error| format!("the device is lost: {error}"))
     }
 }
 
@@ -207,20 +305,37 @@ fn frame<'a>(
     framing: &Framing,
     transparency: pelage::transparency::Transparency,
 ) -> Frame<'a> {
-    Frame { hairs, lights, ambient, view: framing.view, transparency: Some(transparency) }
+    Frame {
+        hairs,
+        lights,
+        ambient,
+        view: framing.view,
+        transparency: Some(transparency),
+    }
 }
 
 /// Into the image; over the opaque scene that is already there, unless it is alone.
 fn target(image: &Image, alone: bool) -> Target<'_> {
-    Target { depth: image.depth.as_ref(), clear: alone, receive_shadow: !alone, ..Target::cleared(&image.colour) }
+    Target {
+        depth: image.depth.as_ref(),
+        clear: alone,
+        receive_shadow: !alone,
+        ..Target::cleared(&image.colour)
+    }
 }
 
 fn light_settings(light: &Light) -> Value {
     match light.kind {
-        LightKind::Directional { direction, irradiance } => {
+        LightKind::Directional {
+            direction,
+            irradiance,
+        } => {
             json!({ "direction": direction.to_array(), "irradiance": irradiance.to_array() })
         }
-        LightKind::Point { position, intensity } => {
+        LightKind::Point {
+            position,
+            intensity,
+        } => {
             json!({ "position": position.to_array(), "intensity": intensity.to_array() })
         }
     }

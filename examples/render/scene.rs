@@ -68,7 +68,14 @@ pub struct Camera {
 
 impl Default for Camera {
     fn default() -> Self {
-        Self { eye: None, target: None, up: [0.0, 1.0, 0.0], vfov_deg: 30.0, width: 656, height: 861 }
+        Self {
+            eye: None,
+            target: None,
+            up: [0.0, 1.0, 0.0],
+            vfov_deg: 30.0,
+            width: 656,
+            height: 861,
+        }
     }
 }
 
@@ -148,14 +155,16 @@ impl Scene {
     /// Reads a scene file. `overrides` are `GROUP.KEY=JSON` or `GROUP=JSON`, the last word on their keys.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
         let name = path.display();
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{name} cannot be read: {error}"))?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| format!("{name} cannot be read: {error}"))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&text, folder, overrides).map_err(|error| format!("{name}: {error}"))
     }
 
     /// Reads a scene from text; paths are relative to `folder`.
     pub fn parse(text: &str, folder: &Path, overrides: &[String]) -> Result<Self> {
-        let document: Value = serde_json::from_str(text).map_err(|error| format!("the scene is not JSON: {error}"))?;
+        let document: Value = serde_json::from_str(text)
+            .map_err(|error| format!("the scene is not JSON: {error}"))?;
         let Value::Object(mut document) = document else {
             return Err("the scene is not a JSON object".into());
         };
@@ -170,7 +179,9 @@ impl Scene {
             fibre: groups.fibre,
             shadow: techniques::shadow(&groups.shadow)?,
             transparency: techniques::transparency(&groups.transparency)?,
-            meshes: groups.meshes.map(|paths| paths.iter().map(|path| folder.join(path)).collect()),
+            meshes: groups
+                .meshes
+                .map(|paths| paths.iter().map(|path| folder.join(path)).collect()),
         })
     }
 }
@@ -198,7 +209,9 @@ struct Override {
 
 fn parse_override(text: &str) -> Result<Override> {
     let Some((key, value)) = text.split_once('=') else {
-        return Err(format!("--set {text}: GROUP.KEY=JSON is wanted, and there is no \"=\""));
+        return Err(format!(
+            "--set {text}: GROUP.KEY=JSON is wanted, and there is no \"=\""
+        ));
     };
     let value = serde_json::from_str(value).map_err(|error| {
         format!("--set {key}: {value:?} is not JSON ({error}); a string is written with its quotes")
@@ -207,19 +220,38 @@ fn parse_override(text: &str) -> Result<Override> {
         Some((group, key)) => (group, Some(key.to_owned())),
         None => (key, None),
     };
-    Ok(Override { group: group.to_owned(), key, value })
+    Ok(Override {
+        group: group.to_owned(),
+        key,
+        value,
+    })
 }
 
 /// Lays overrides over the file's keys. Where they select another technique, the file's settings that it does not know
 /// are dropped: they were the former technique's.
 fn override_keys(document: &mut Map<String, Value>, overrides: &[String]) -> Result<()> {
-    let overrides: Vec<Override> = overrides.iter().map(|text| parse_override(text)).collect::<Result<_>>()?;
+    let overrides: Vec<Override> = overrides
+        .iter()
+        .map(|text| parse_override(text))
+        .collect::<Result<_>>()?;
     for group in GROUPS {
-        let selecting = |o: &&Override| o.group == group.name && o.key.as_deref() == Some(group.selector);
-        let Some(selected) = overrides.iter().rev().find(selecting) else { continue };
-        let Some(Value::Object(file)) = document.get_mut(group.name) else { continue };
-        let Some(stem) = selected.value.as_str() else { continue };
-        if file.get(group.selector).and_then(Value::as_str).unwrap_or(group.default) != stem {
+        let selecting =
+            |o: &&Override| o.group == group.name && o.key.as_deref() == Some(group.selector);
+        let Some(selected) = overrides.iter().rev().find(selecting) else {
+            continue;
+        };
+        let Some(Value::Object(file)) = document.get_mut(group.name) else {
+            continue;
+        };
+        let Some(stem) = selected.value.as_str() else {
+            continue;
+        };
+        if file
+            .get(group.selector)
+            .and_then(Value::as_str)
+            .unwrap_or(group.default)
+            != stem
+        {
             let known = group.keys(stem);
             file.retain(|key, _| known.contains(key));
         }
@@ -229,11 +261,20 @@ fn override_keys(document: &mut Map<String, Value>, overrides: &[String]) -> Res
             document.insert(group, value);
             continue;
         };
-        match document.entry(&group).or_insert_with(|| Value::Object(Map::new())) {
+        match document
+            .entry(&group)
+            .or_insert_with(|| Value::Object(Map::new()))
+        {
             Value::Object(map) => map.insert(key, value),
             other => {
-                let kind = if other.is_array() { "a list" } else { "no group" };
-                return Err(format!("--set {group}.{key}: {group} is {kind} in this scene; set it as a whole"));
+                let kind = if other.is_array() {
+                    "a list"
+                } else {
+                    "no group"
+                };
+                return Err(format!(
+                    "--set {group}.{key}: {group} is {kind} in this scene; set it as a whole"
+                ));
             }
         };
     }
@@ -245,7 +286,11 @@ fn hair_sources(value: Value, folder: &Path) -> Result<Vec<HairSource>> {
     let names: Vec<String> = match value {
         Value::String(name) => vec![name],
         Value::Array(_) => typed("hair", value)?,
-        other => return Err(format!("hair is {other}; a path, \"builtin:…\" or a list of them is wanted")),
+        other => {
+            return Err(format!(
+                "hair is {other}; a path, \"builtin:…\" or a list of them is wanted"
+            ));
+        }
     };
     if names.is_empty() {
         return Err("hair is an empty list".into());
@@ -265,17 +310,26 @@ fn hair_sources(value: Value, folder: &Path) -> Result<Vec<HairSource>> {
 /// The `light` key: a light or a list of them.
 fn lights(value: Value) -> Result<Vec<Light>> {
     let values = match value {
-        Value::Array(values) => values.into_iter().enumerate().map(|(at, value)| (format!("light[{at}]"), value)).collect(),
+        Value::Array(values) => values
+            .into_iter()
+            .enumerate()
+            .map(|(at, value)| (format!("light[{at}]"), value))
+            .collect(),
         value => vec![("light".to_owned(), value)],
     };
-    values.into_iter().map(|(place, value)| light(&place, value)).collect()
+    values
+        .into_iter()
+        .map(|(place, value)| light(&place, value))
+        .collect()
 }
 
 fn light(place: &str, value: Value) -> Result<Light> {
     let light: Light = typed(place, value)?;
     let is_point = light.position.is_some() || light.intensity.is_some();
     if is_point && (light.direction.is_some() || light.irradiance.is_some()) {
-        return Err(format!("{place} has keys of a point light (position, intensity) and of a directional one (direction, irradiance)"));
+        return Err(format!(
+            "{place} has keys of a point light (position, intensity) and of a directional one (direction, irradiance)"
+        ));
     }
     if is_point && light.position.is_none() {
         return Err(format!("{place}.position is missing"));

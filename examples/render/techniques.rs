@@ -29,8 +29,12 @@ pub struct Group {
 }
 
 /// The shading model.
-pub const SHADING: Group =
-    Group { name: "shading", selector: "model", stems: &["kajiya_kay"], default: "kajiya_kay" };
+pub const SHADING: Group = Group {
+    name: "shading",
+    selector: "model",
+    stems: &["kajiya_kay"],
+    default: "kajiya_kay",
+};
 /// The shadow technique.
 pub const SHADOW: Group = Group {
     name: "shadow",
@@ -100,7 +104,11 @@ struct KajiyaKayKeys {
 impl Default for KajiyaKayKeys {
     fn default() -> Self {
         let model = KajiyaKay::default();
-        Self { diffuse: None, specular: model.specular.into(), exponent: model.exponent }
+        Self {
+            diffuse: None,
+            specular: model.specular.into(),
+            exponent: model.exponent,
+        }
     }
 }
 
@@ -140,7 +148,9 @@ struct OpaqueKeys {
 
 impl Default for OpaqueKeys {
     fn default() -> Self {
-        Self { raster: RasterKey::of(Opaque::default().raster) }
+        Self {
+            raster: RasterKey::of(Opaque::default().raster),
+        }
     }
 }
 
@@ -185,17 +195,25 @@ impl Group {
                 "{name}.{selector} is {value}, not a string; this build has {known}"
             ));
         };
-        self.stems.iter().copied().find(|known| *known == stem).ok_or_else(|| {
-            format!("{name}.{selector} \"{stem}\" is not in this build, which has {known}")
-        })
+        self.stems
+            .iter()
+            .copied()
+            .find(|known| *known == stem)
+            .ok_or_else(|| {
+                format!("{name}.{selector} \"{stem}\" is not in this build, which has {known}")
+            })
     }
 
     /// The settings of the stem that a group's map selects.
     fn settings<T: DeserializeOwned>(&self, map: &Map<String, Value>) -> Result<T> {
         let mut settings = map.clone();
         settings.shift_remove(self.selector);
-        typed(self.name, Value::Object(settings))
-            .map_err(|error| error.replace("expected one of", &format!("expected {}, or one of", self.selector)))
+        typed(self.name, Value::Object(settings)).map_err(|error| {
+            error.replace(
+                "expected one of",
+                &format!("expected {}, or one of", self.selector),
+            )
+        })
     }
 
     /// The names of a stem's settings.
@@ -207,7 +225,10 @@ impl Group {
             "a_buffer" => json!(ABufferKeys::default()),
             _ => json!(NoKeys::default()),
         };
-        settings.as_object().map(|keys| keys.keys().cloned().collect()).unwrap_or_default()
+        settings
+            .as_object()
+            .map(|keys| keys.keys().cloned().collect())
+            .unwrap_or_default()
     }
 }
 
@@ -251,7 +272,9 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
     match TRANSPARENCY.stem(map)? {
         "opaque" => {
             let keys: OpaqueKeys = TRANSPARENCY.settings(map)?;
-            Ok(Transparency::Opaque(Opaque { raster: keys.raster.raster() }))
+            Ok(Transparency::Opaque(Opaque {
+                raster: keys.raster.raster(),
+            }))
         }
         "a_buffer" => {
             let keys: ABufferKeys = TRANSPARENCY.settings(map)?;
@@ -285,7 +308,9 @@ pub fn shading_settings(shading: &Shading) -> Value {
 /// A shadow technique as its group of a scene file.
 pub fn shadow_settings(shadow: &Shadow) -> Value {
     match shadow {
-        Shadow::DeepOpacityMap(settings) => with_stem(shadow.stem(), json!(DeepOpacityMapKeys::of(settings))),
+        Shadow::DeepOpacityMap(settings) => {
+            with_stem(shadow.stem(), json!(DeepOpacityMapKeys::of(settings)))
+        }
         _ => json!({ "technique": shadow.stem() }),
     }
 }
@@ -293,7 +318,9 @@ pub fn shadow_settings(shadow: &Shadow) -> Value {
 /// A transparency technique as its group of a scene file.
 pub fn transparency_settings(transparency: &Transparency) -> Value {
     let settings = match transparency {
-        Transparency::Opaque(settings) => json!(OpaqueKeys { raster: RasterKey::of(settings.raster) }),
+        Transparency::Opaque(settings) => json!(OpaqueKeys {
+            raster: RasterKey::of(settings.raster)
+        }),
         Transparency::ABuffer(settings) => json!(ABufferKeys::of(settings)),
         _ => json!({}),
     };

@@ -56,18 +56,47 @@ fn every_key_is_read() {
     let file = |name: &str| HairSource::File(Path::new("scenes").join(name));
     assert_eq!(scene.hair, [file("a.hair"), file("b.tfx")]);
     assert_eq!(scene.camera.eye, Some([0.0, 0.4, 3.0]));
-    assert_eq!((scene.camera.width, scene.camera.height, scene.camera.vfov_deg), (512, 256, 36.0));
+    assert_eq!(
+        (
+            scene.camera.width,
+            scene.camera.height,
+            scene.camera.vfov_deg
+        ),
+        (512, 256, 36.0)
+    );
     let lights = scene.lights.unwrap();
     assert_eq!(lights[0].direction, Some([-1.0, -2.0, -3.0]));
     assert_eq!(lights[1].intensity, Some([7.0, 8.0, 9.0]));
     assert_eq!(scene.ambient, [0.1, 0.2, 0.3]);
-    assert_eq!((scene.fibre.radius, scene.fibre.opacity, scene.fibre.alpha_deg), (Some(0.0025), 0.5, 3.0));
-    let Shading::KajiyaKay(model) = scene.shading else { panic!("{:?}", scene.shading) };
+    assert_eq!(
+        (
+            scene.fibre.radius,
+            scene.fibre.opacity,
+            scene.fibre.alpha_deg
+        ),
+        (Some(0.0025), 0.5, 3.0)
+    );
+    let Shading::KajiyaKay(model) = scene.shading else {
+        panic!("{:?}", scene.shading)
+    };
     assert_eq!(model.exponent, 50.0);
-    assert_eq!(model.diffuse, KajiyaKay::diffuse_of([0.06, 0.1, 0.2].into()));
-    let map = DeepOpacityMap { resolution: 1024, layers: 4, pcf: 5, depth: 0.25, raster: Raster::Ribbons };
+    assert_eq!(
+        model.diffuse,
+        KajiyaKay::diffuse_of([0.06, 0.1, 0.2].into())
+    );
+    let map = DeepOpacityMap {
+        resolution: 1024,
+        layers: 4,
+        pcf: 5,
+        depth: 0.25,
+        raster: Raster::Ribbons,
+    };
     assert_eq!(scene.shadow, Shadow::DeepOpacityMap(map));
-    let buffer = ABuffer { storage: Storage::Lists, raster: Raster::Walk, pool_bytes: Some(1_000_000) };
+    let buffer = ABuffer {
+        storage: Storage::Lists,
+        raster: Raster::Walk,
+        pool_bytes: Some(1_000_000),
+    };
     assert_eq!(scene.transparency, Transparency::ABuffer(buffer));
     assert_eq!(scene.meshes, Some(vec![PathBuf::from("scenes/head.obj")]));
 }
@@ -79,8 +108,18 @@ fn what_is_left_out_is_the_librarys_default() {
     assert_eq!(scene.shading, Shading::default());
     assert_eq!(scene.shadow, Shadow::default());
     assert_eq!(scene.transparency, Transparency::default());
-    assert_eq!((scene.camera.width, scene.camera.height, scene.camera.vfov_deg), (656, 861, 30.0));
-    assert_eq!((scene.lights, scene.meshes, scene.fibre.radius), (None, None, None));
+    assert_eq!(
+        (
+            scene.camera.width,
+            scene.camera.height,
+            scene.camera.vfov_deg
+        ),
+        (656, 861, 30.0)
+    );
+    assert_eq!(
+        (scene.lights, scene.meshes, scene.fibre.radius),
+        (None, None, None)
+    );
 }
 
 #[test]
@@ -93,48 +132,86 @@ fn settings_as_resolved_are_read_back_as_they_were() {
         "transparency": techniques::transparency_settings(&scene.transparency),
     });
     let again = parse(&text.to_string()).unwrap();
-    assert_eq!((again.shading, again.shadow, again.transparency), (scene.shading, scene.shadow, scene.transparency));
+    assert_eq!(
+        (again.shading, again.shadow, again.transparency),
+        (scene.shading, scene.shadow, scene.transparency)
+    );
 }
 
 #[test]
 fn an_unknown_key_is_an_error_that_names_the_known_ones() {
-    assert_names(&error(r#"{"hair": "a.hair", "lamp": {}}"#, &[]), &["lamp", "hair", "light", "transparency"]);
+    assert_names(
+        &error(r#"{"hair": "a.hair", "lamp": {}}"#, &[]),
+        &["lamp", "hair", "light", "transparency"],
+    );
     let camera = r#"{"hair": "a.hair", "camera": {"fov": 30}}"#;
     assert_names(&error(camera, &[]), &["camera", "fov", "vfov_deg"]);
-    let light = r#"{"hair": "a.hair", "light": [{"direction": [0, -1, 0]}, {"colour": [1, 1, 1]}]}"#;
+    let light =
+        r#"{"hair": "a.hair", "light": [{"direction": [0, -1, 0]}, {"colour": [1, 1, 1]}]}"#;
     assert_names(&error(light, &[]), &["light[1]", "colour", "irradiance"]);
     let shadow = r#"{"hair": "a.hair", "shadow": {"technique": "deep_opacity_map", "bias": 1}}"#;
-    assert_names(&error(shadow, &[]), &["shadow", "bias", "technique", "resolution", "pcf"]);
+    assert_names(
+        &error(shadow, &[]),
+        &["shadow", "bias", "technique", "resolution", "pcf"],
+    );
     let none = r#"{"hair": "a.hair", "shadow": {"technique": "none", "layers": 1}}"#;
     assert_names(&error(none, &[]), &["shadow", "layers", "technique"]);
-    let opaque = r#"{"hair": "a.hair", "transparency": {"technique": "opaque", "storage": "lists"}}"#;
-    assert_names(&error(opaque, &[]), &["transparency", "storage", "technique", "raster"]);
+    let opaque =
+        r#"{"hair": "a.hair", "transparency": {"technique": "opaque", "storage": "lists"}}"#;
+    assert_names(
+        &error(opaque, &[]),
+        &["transparency", "storage", "technique", "raster"],
+    );
 }
 
 #[test]
 fn an_unknown_stem_is_an_error_that_names_those_of_this_build() {
     let shading = r#"{"hair": "a.hair", "shading": {"model": "phong"}}"#;
-    assert_names(&error(shading, &[]), &["shading.model", "phong", "kajiya_kay"]);
+    assert_names(
+        &error(shading, &[]),
+        &["shading.model", "phong", "kajiya_kay"],
+    );
     let shadow = r#"{"hair": "a.hair", "shadow": {"technique": "stencil"}}"#;
-    assert_names(&error(shadow, &[]), &["shadow.technique", "stencil", "none", "deep_opacity_map"]);
+    assert_names(
+        &error(shadow, &[]),
+        &["shadow.technique", "stencil", "none", "deep_opacity_map"],
+    );
     let transparency = r#"{"hair": "a.hair", "transparency": {"technique": 3}}"#;
-    assert_names(&error(transparency, &[]), &["transparency.technique", "3", "opaque", "a_buffer"]);
-    assert_names(&error(r#"{"hair": "builtin:mohawk"}"#, &[]), &["builtin:mohawk", "builtin:curly"]);
+    assert_names(
+        &error(transparency, &[]),
+        &["transparency.technique", "3", "opaque", "a_buffer"],
+    );
+    assert_names(
+        &error(r#"{"hair": "builtin:mohawk"}"#, &[]),
+        &["builtin:mohawk", "builtin:curly"],
+    );
 }
 
 #[test]
 fn a_value_of_the_wrong_kind_is_named_by_its_key() {
-    assert_names(&error(r#"{"hair": "a", "fibre": {"opacity": "half"}}"#, &[]), &["fibre.opacity", "half"]);
-    assert_names(&error(r#"{"hair": "a", "camera": {"eye": [1, 2]}}"#, &[]), &["camera.eye"]);
+    assert_names(
+        &error(r#"{"hair": "a", "fibre": {"opacity": "half"}}"#, &[]),
+        &["fibre.opacity", "half"],
+    );
+    assert_names(
+        &error(r#"{"hair": "a", "camera": {"eye": [1, 2]}}"#, &[]),
+        &["camera.eye"],
+    );
     assert_names(&error(r#"{"hair": 7}"#, &[]), &["hair", "7"]);
     assert_names(&error(r#"{"hair": []}"#, &[]), &["hair", "empty"]);
     assert_names(&error(r#"{"camera": {}}"#, &[]), &["hair"]);
-    assert_names(&error(r#"{"hair": "a", "transparency": {"raster": "rays"}}"#, &[]), &["transparency.raster", "rays", "walk"]);
+    assert_names(
+        &error(r#"{"hair": "a", "transparency": {"raster": "rays"}}"#, &[]),
+        &["transparency.raster", "rays", "walk"],
+    );
     assert_names(&error("[]", &[]), &["object"]);
     assert_names(&error("{\"hair\":\n", &[]), &["JSON", "line 2"]);
     let mixed = r#"{"hair": "a", "light": {"position": [0, 0, 0], "irradiance": [1, 1, 1]}}"#;
     assert_names(&error(mixed, &[]), &["light", "position", "irradiance"]);
-    assert_names(&error(r#"{"hair": "a", "light": {"position": [0, 0, 0]}}"#, &[]), &["light.intensity", "missing"]);
+    assert_names(
+        &error(r#"{"hair": "a", "light": {"position": [0, 0, 0]}}"#, &[]),
+        &["light.intensity", "missing"],
+    );
 }
 
 #[test]
@@ -148,14 +225,25 @@ fn overrides_have_the_last_word() {
         "camera.width=100",
     ];
     let scene = parse_with(EVERY_KEY, &overrides).unwrap();
-    assert_eq!((scene.camera.width, scene.camera.height, scene.fibre.opacity), (100, 256, 0.25));
-    let Shadow::DeepOpacityMap(map) = scene.shadow else { panic!("{:?}", scene.shadow) };
+    assert_eq!(
+        (scene.camera.width, scene.camera.height, scene.fibre.opacity),
+        (100, 256, 0.25)
+    );
+    let Shadow::DeepOpacityMap(map) = scene.shadow else {
+        panic!("{:?}", scene.shadow)
+    };
     assert_eq!((map.layers, map.resolution), (2, 1024));
     assert_eq!(scene.transparency.stem(), "opaque");
     assert_eq!(scene.hair, [HairSource::Builtin(BuiltinGroom::Curly)]);
     // A group that the file leaves out.
     let scene = parse_with(r#"{"hair": "a"}"#, &["transparency.storage=\"lists\""]).unwrap();
-    assert!(matches!(scene.transparency, Transparency::ABuffer(ABuffer { storage: Storage::Lists, .. })));
+    assert!(matches!(
+        scene.transparency,
+        Transparency::ABuffer(ABuffer {
+            storage: Storage::Lists,
+            ..
+        })
+    ));
 }
 
 #[test]
@@ -172,23 +260,39 @@ fn an_override_that_selects_another_technique_drops_the_files_settings_of_the_fo
 #[test]
 fn an_override_that_cannot_be_read_is_named() {
     let scene = r#"{"hair": "a", "light": []}"#;
-    assert_names(&error(scene, &["camera.width"]), &["--set", "camera.width", "="]);
-    assert_names(&error(scene, &["shadow.technique=none"]), &["--set", "shadow.technique", "none", "quotes"]);
+    assert_names(
+        &error(scene, &["camera.width"]),
+        &["--set", "camera.width", "="],
+    );
+    assert_names(
+        &error(scene, &["shadow.technique=none"]),
+        &["--set", "shadow.technique", "none", "quotes"],
+    );
     assert_names(&error(scene, &["shadow.size=3"]), &["size", "resolution"]);
-    assert_names(&error(scene, &["light.direction=[0,-1,0]"]), &["--set", "light", "list"]);
+    assert_names(
+        &error(scene, &["light.direction=[0,-1,0]"]),
+        &["--set", "light", "list"],
+    );
 }
 
 /// The example as cargo has built it beside the tests.
 fn render(arguments: &[&str]) -> Output {
     let tests = std::env::current_exe().unwrap();
     let folder = tests.ancestors().nth(2).unwrap();
-    let example = folder.join("examples").join(format!("render{}", std::env::consts::EXE_SUFFIX));
-    Command::new(&example).args(arguments).output().unwrap_or_else(|error| panic!("{}: {error}", example.display()))
+    let example = folder
+        .join("examples")
+        .join(format!("render{}", std::env::consts::EXE_SUFFIX));
+    Command::new(&example)
+        .args(arguments)
+        .output()
+        .unwrap_or_else(|error| panic!("{}: {error}", example.display()))
 }
 
 /// A folder for one test's files, emptied.
 fn folder(test: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("render").join(test);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("render")
+        .join(test);
     std::fs::remove_dir_all(&folder).ok();
     std::fs::create_dir_all(&folder).unwrap();
     folder
@@ -203,8 +307,13 @@ fn failure(folder: &Path, scene: &Path, more: &[&str]) -> String {
     assert!(!output.status.success());
     assert!(!out.exists());
     let text = String::from_utf8(output.stderr).unwrap();
-    let mut ours = text.lines().filter_map(|line| line.strip_prefix("render: "));
-    let sentence = ours.next().unwrap_or_else(|| panic!("no sentence in {text:?}")).to_owned();
+    let mut ours = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("render: "));
+    let sentence = ours
+        .next()
+        .unwrap_or_else(|| panic!("no sentence in {text:?}"))
+        .to_owned();
     assert_eq!(ours.next(), None, "{text:?}");
     sentence
 }
@@ -213,13 +322,31 @@ fn failure(folder: &Path, scene: &Path, more: &[&str]) -> String {
 fn a_file_that_is_missing_or_broken_is_named_on_stderr() {
     let folder = folder("missing");
     let scene = folder.join("scene.json");
-    assert_names(&failure(&folder, &scene, &[]), &["scene.json", "No such file"]);
+    assert_names(
+        &failure(&folder, &scene, &[]),
+        &["scene.json", "No such file"],
+    );
     std::fs::write(&scene, r#"{"hair": "absent.hair"}"#).unwrap();
-    assert_names(&failure(&folder, &scene, &[]), &["absent.hair", "No such file"]);
+    assert_names(
+        &failure(&folder, &scene, &[]),
+        &["absent.hair", "No such file"],
+    );
     std::fs::write(folder.join("broken.hair"), b"HAIR").unwrap();
-    assert_names(&failure(&folder, &scene, &["--set", "hair=\"broken.hair\""]), &["broken.hair"]);
+    assert_names(
+        &failure(&folder, &scene, &["--set", "hair=\"broken.hair\""]),
+        &["broken.hair"],
+    );
     std::fs::write(folder.join("broken.obj"), "v 0 0 zero\n").unwrap();
-    let mesh = failure(&folder, &scene, &["--set", "hair=\"builtin:straight\"", "--set", "meshes=[\"broken.obj\"]"]);
+    let mesh = failure(
+        &folder,
+        &scene,
+        &[
+            "--set",
+            "hair=\"builtin:straight\"",
+            "--set",
+            "meshes=[\"broken.obj\"]",
+        ],
+    );
     assert_names(&mesh, &["broken.obj"]);
     std::fs::write(&scene, "{").unwrap();
     assert_names(&failure(&folder, &scene, &[]), &["scene.json", "JSON"]);
@@ -230,9 +357,18 @@ fn a_wrong_argument_is_one_sentence() {
     let folder = folder("arguments");
     let scene = folder.join("scene.json");
     std::fs::write(&scene, r#"{"hair": "builtin:straight"}"#).unwrap();
-    assert_names(&failure(&folder, &scene, &["--size", "0x9"]), &["--size", "0x9", "656x861"]);
-    assert_names(&failure(&folder, &scene, &["--frames", "none"]), &["--frames", "none"]);
+    assert_names(
+        &failure(&folder, &scene, &["--size", "0x9"]),
+        &["--size", "0x9", "656x861"],
+    );
+    assert_names(
+        &failure(&folder, &scene, &["--frames", "none"]),
+        &["--frames", "none"],
+    );
     let output = render(&[scene.to_str().unwrap(), "--out", "picture.png"]);
     assert!(!output.status.success());
-    assert_names(&String::from_utf8(output.stderr).unwrap(), &["picture.png", ".exr"]);
+    assert_names(
+        &String::from_utf8(output.stderr).unwrap(),
+        &["picture.png", ".exr"],
+    );
 }

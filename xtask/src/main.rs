@@ -54,7 +54,11 @@ fn cargo(arguments: &[&str], environment: &[(&str, &str)]) -> Result<()> {
         .current_dir(root())
         .status()
         .map_err(|error| format!("cargo {line} cannot be started: {error}"))?;
-    if status.success() { Ok(()) } else { Err(format!("cargo {line} failed with {status}")) }
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("cargo {line} failed with {status}"))
+    }
 }
 
 /// The workspace's root.

@@ -120,13 +120,25 @@ pub fn cases(quick: bool) -> Vec<Case> {
     };
     let mut cases = Vec::new();
     for exponent in [10.0, 60.0, 300.0] {
-        cases.push(Case { shading: white(0.09, exponent), ..base.clone() });
+        cases.push(Case {
+            shading: white(0.09, exponent),
+            ..base.clone()
+        });
     }
-    let resolutions: &[u32] = if quick { &[256, 512] } else { &[256, 512, 1024] };
+    let resolutions: &[u32] = if quick {
+        &[256, 512]
+    } else {
+        &[256, 512, 1024]
+    };
     for &resolution in resolutions {
         for layers in [2, 4, 8, 16] {
             for pcf in [1, 3] {
-                let map = DeepOpacityMap { resolution, layers, pcf, ..DeepOpacityMap::default() };
+                let map = DeepOpacityMap {
+                    resolution,
+                    layers,
+                    pcf,
+                    ..DeepOpacityMap::default()
+                };
                 cases.push(Case {
                     group: Group::Shadow,
                     shading: white(0.0, 60.0),
@@ -136,18 +148,39 @@ pub fn cases(quick: bool) -> Vec<Case> {
             }
         }
     }
-    let base = Case { group: Group::Transparency, ..base };
+    let base = Case {
+        group: Group::Transparency,
+        ..base
+    };
     for raster in [Raster::Walk, Raster::Ribbons] {
-        cases.push(Case { transparency: Transparency::Opaque(Opaque { raster }), ..base.clone() });
+        cases.push(Case {
+            transparency: Transparency::Opaque(Opaque { raster }),
+            ..base.clone()
+        });
     }
     for storage in [Storage::Counted, Storage::Lists] {
         for raster in [Raster::Walk, Raster::Ribbons] {
-            let a_buffer = ABuffer { storage, raster, pool_bytes: None };
-            cases.push(Case { transparency: Transparency::ABuffer(a_buffer), ..base.clone() });
+            let a_buffer = ABuffer {
+                storage,
+                raster,
+                pool_bytes: None,
+            };
+            cases.push(Case {
+                transparency: Transparency::ABuffer(a_buffer),
+                ..base.clone()
+            });
         }
         for pool in [0.5, 0.1] {
-            let a_buffer = ABuffer { storage, raster: Raster::Walk, pool_bytes: None };
-            cases.push(Case { transparency: Transparency::ABuffer(a_buffer), pool: Some(pool), ..base.clone() });
+            let a_buffer = ABuffer {
+                storage,
+                raster: Raster::Walk,
+                pool_bytes: None,
+            };
+            cases.push(Case {
+                transparency: Transparency::ABuffer(a_buffer),
+                pool: Some(pool),
+                ..base.clone()
+            });
         }
     }
     cases

@@ -12,11 +12,11 @@ use pelage::{Frame, Hair, Light, LightKind, Target, wgpu};
 use pelage_reference::composite;
 use pelage_reference::error::colour_error;
 
+use super::Group;
 use super::flip;
 use super::ladder::{Case, Scene};
 use super::row::{Error, Fragments, Row, Times};
 use super::truth::{IRRADIANCE, LIGHT_DIRECTION, Truth};
-use super::Group;
 use crate::Result;
 
 /// Frames before any is timed: shaders are compiled and pools find their size.
@@ -50,7 +50,11 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
         Group::Shading => (bench.image_error(&case, &truth.nearest(&model))?, None),
         Group::Transparency => (bench.image_error(&case, truth.exact(&model))?, None),
     };
-    let times = if case.group == Group::Shadow { bench.pass_times(&case, "pelage.shadow.")? } else { bench.times(&case)? };
+    let times = if case.group == Group::Shadow {
+        bench.pass_times(&case, "pelage.shadow.")?
+    } else {
+        bench.times(&case)?
+    };
     let statistics = bench.offscreen.renderer.statistics();
     let fragments = statistics.fragments;
     let info = bench.offscreen.adapter_info();
@@ -72,14 +76,18 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
             merged: fragments.merged,
         }),
         adapter: info.name.clone(),
-        driver: format!("{} {}", info.driver, info.driver_info).trim().into(),
+        driver: format!("{} {}", info.driver, info.driver_info)
+            .trim()
+            .into(),
         date: time::OffsetDateTime::now_utc().date().to_string(),
     })
 }
 
 /// Turns a part of the pool into bytes.
 fn set_pool(case: &mut Case, fragments: usize) {
-    let (Some(part), Transparency::ABuffer(settings)) = (case.pool, &mut case.transparency) else { return };
+    let (Some(part), Transparency::ABuffer(settings)) = (case.pool, &mut case.transparency) else {
+        return;
+    };
     let each = match settings.storage {
         Storage::Counted => FRAGMENT_BYTES,
         Storage::Lists => NODE_BYTES,
@@ -89,7 +97,10 @@ fn set_pool(case: &mut Case, fragments: usize) {
 
 fn spread(mut times: Vec<f64>) -> Times {
     times.sort_unstable_by(f64::total_cmp);
-    Times { min: times[0], median: times[times.len() / 2] }
+    Times {
+        min: times[0],
+        median: times[times.len() / 2],
+    }
 }
 
 impl<'a> Bench<'a> {
@@ -99,10 +110,18 @@ impl<'a> Bench<'a> {
         let image = offscreen
             .create_image(width, height, wgpu::TextureFormat::Rgba32Float, false)
             .map_err(sentence)?;
-        let mut hair = offscreen.renderer.create_hair(&truth.strands).map_err(sentence)?;
+        let mut hair = offscreen
+            .renderer
+            .create_hair(&truth.strands)
+            .map_err(sentence)?;
         hair.opacity = scene.opacity;
         hair.shading = case.shading;
-        Ok(Self { offscreen, image, hair, truth })
+        Ok(Self {
+            offscreen,
+            image,
+            hair,
+            truth,
+        })
     }
 
     /// Renders once; the wall clock from the start of recording in milliseconds.
@@ -111,7 +130,9 @@ impl<'a> Bench<'a> {
         let hairs = [&self.hair];
         let frame = frame(&hairs, &lights, self.truth, transparency);
         let start = Instant::now();
-        self.offscreen.render(&frame, &Target::cleared(&self.image.colour)).map_err(sentence)?;
+        self.offscreen
+            .render(&frame, &Target::cleared(&self.image.colour))
+            .map_err(sentence)?;
         Ok(start.elapsed().as_secs_f64() * 1e3)
     }
 
@@ -120,16 +141,24 @@ impl<'a> Bench<'a> {
         for _ in 0..WARM_UP_FRAMES {
             self.render(shadow, transparency)?;
         }
-        let pixels = self.offscreen.read_colour(&self.image.colour).map_err(sentence)?;
+        let pixels = self
+            .offscreen
+            .read_colour(&self.image.colour)
+            .map_err(sentence)?;
         Ok(composite::Image {
             width: self.image.colour.width() as usize,
             height: self.image.colour.height() as usize,
-            pixels: pixels.iter().map(|pixel| pixel.to_array().map(f64::from)).collect(),
+            pixels: pixels
+                .iter()
+                .map(|pixel| pixel.to_array().map(f64::from))
+                .collect(),
         })
     }
 
     fn times(&mut self, case: &Case) -> Result<Vec<f64>> {
-        (0..TIMED_FRAMES).map(|_| self.render(case.shadow, case.transparency)).collect()
+        (0..TIMED_FRAMES)
+            .map(|_| self.render(case.shadow, case.transparency))
+            .collect()
     }
 
     /// The sum of the passes whose label begins so, each submitted alone.
@@ -140,8 +169,19 @@ impl<'a> Bench<'a> {
         let target = Target::cleared(&self.image.colour);
         let mut times = Vec::new();
         for _ in 0..TIMED_FRAMES {
-            let passes = self.offscreen.renderer.render_timed(&frame, &target).map_err(sentence)?.passes;
-            times.push(passes.iter().filter(|pass| pass.label.starts_with(prefix)).map(|pass| pass.ms).sum());
+            let passes = self
+                .offscreen
+                .renderer
+                .render_timed(&frame, &target)
+                .map_err(sentence)?
+                .passes;
+            times.push(
+                passes
+                    .iter()
+                    .filter(|pass| pass.label.starts_with(prefix))
+                    .map(|pass| pass.ms)
+                    .sum(),
+            );
         }
         Ok(times)
     }
@@ -150,7 +190,12 @@ impl<'a> Bench<'a> {
     fn image_error(&mut self, case: &Case, truth: &composite::Image) -> Result<Error> {
         let actual = self.picture(case.shadow, case.transparency)?;
         let error = colour_error(&actual, truth, None);
-        Ok(Error { rmse: error.rmse, p99: error.p99, max: error.max, flip: flip::mean(&actual, truth) })
+        Ok(Error {
+            rmse: error.rmse,
+            p99: error.p99,
+            max: error.max,
+            flip: flip::mean(&actual, truth),
+        })
     }
 
     /// Errors of transmittance and of the picture at the truth's probes. Transmittance is the picture with shadow over
@@ -168,12 +213,15 @@ impl<'a> Bench<'a> {
                 continue;
             }
             transmittance.push((shadowed[0] / lit[0] - probe.transmittance).abs());
-            radiance.extend((0..3).map(|c| (shadowed[c] - expected[c] * probe.transmittance).abs()));
+            radiance
+                .extend((0..3).map(|c| (shadowed[c] - expected[c] * probe.transmittance).abs()));
         }
         let compared = transmittance.len();
         let all = self.truth.probes(model).len();
         if compared * 2 < all {
-            return Err(format!("only {compared} of {all} points could be told apart"));
+            return Err(format!(
+                "only {compared} of {all} points could be told apart"
+            ));
         }
         Ok((error_of(transmittance), error_of(radiance)))
     }
@@ -192,12 +240,29 @@ fn error_of(mut differences: Vec<f64>) -> Error {
 }
 
 fn light(shadow: Shadow) -> Light {
-    let kind = LightKind::Directional { direction: LIGHT_DIRECTION, irradiance: Vec3::splat(IRRADIANCE as f32) };
-    Light { kind, shadow: Some(shadow) }
+    let kind = LightKind::Directional {
+        direction: LIGHT_DIRECTION,
+        irradiance: Vec3::splat(IRRADIANCE as f32),
+    };
+    Light {
+        kind,
+        shadow: Some(shadow),
+    }
 }
 
-fn frame<'a>(hairs: &'a [&'a Hair], lights: &'a [Light], truth: &Truth, transparency: Transparency) -> Frame<'a> {
-    Frame { hairs, lights, ambient: Vec3::ZERO, view: truth.framing.view, transparency: Some(transparency) }
+fn frame<'a>(
+    hairs: &'a [&'a Hair],
+    lights: &'a [Light],
+    truth: &Truth,
+    transparency: Transparency,
+) -> Frame<'a> {
+    Frame {
+        hairs,
+        lights,
+        ambient: Vec3::ZERO,
+        view: truth.framing.view,
+        transparency: Some(transparency),
+    }
 }
 
 fn sentence(error: pelage::Error) -> String {

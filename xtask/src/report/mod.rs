@@ -60,20 +60,30 @@ impl Group {
 /// Measures what is missing, and writes everything.
 pub fn run(options: &Options) -> Result<()> {
     let folder = root().join("docs/report");
-    std::fs::create_dir_all(&folder).map_err(|error| format!("{} cannot be made: {error}", folder.display()))?;
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| format!("{} cannot be made: {error}", folder.display()))?;
     let path = folder.join("report.json");
     let mut rows = row::load(&path)?;
     for scene in scenes(options)? {
-        let cases: Vec<Case> =
-            ladder::cases(options.quick).into_iter().filter(|case| options.group.is_none_or(|g| g == case.group)).collect();
-        let missing = |case: &&Case| options.force || !rows.iter().any(|row| row.is_of(case, scene));
+        let cases: Vec<Case> = ladder::cases(options.quick)
+            .into_iter()
+            .filter(|case| options.group.is_none_or(|g| g == case.group))
+            .collect();
+        let missing =
+            |case: &&Case| options.force || !rows.iter().any(|row| row.is_of(case, scene));
         let missing: Vec<Case> = cases.iter().filter(missing).cloned().collect();
-        println!("{}: {} rows, {} to measure", scene.name, cases.len(), missing.len());
+        println!(
+            "{}: {} rows, {} to measure",
+            scene.name,
+            cases.len(),
+            missing.len()
+        );
         if missing.is_empty() {
             continue;
         }
         let progress = ProgressBar::new(missing.len() as u64).with_style(
-            ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} [{elapsed}]").map_err(|error| error.to_string())?,
+            ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} [{elapsed}]")
+                .map_err(|error| error.to_string())?,
         );
         let truth = truth::Truth::new(scene)?;
         for case in &missing {
@@ -85,7 +95,8 @@ pub fn run(options: &Options) -> Result<()> {
                     rows.push(row);
                     row::save(&path, &rows)?;
                 }
-                Err(error) => progress.suspend(|| eprintln!("xtask: {case} on {} is left out: {error}", scene.name)),
+                Err(error) => progress
+                    .suspend(|| eprintln!("xtask: {case} on {} is left out: {error}", scene.name)),
             }
             progress.inc(1);
         }
@@ -100,12 +111,18 @@ pub fn run(options: &Options) -> Result<()> {
 fn scenes(options: &Options) -> Result<Vec<&'static ladder::Scene>> {
     let scenes: Vec<_> = match &options.scene {
         Some(name) => SCENES.iter().filter(|scene| scene.name == name).collect(),
-        None => SCENES.iter().filter(|scene| scene.quick || !options.quick).collect(),
+        None => SCENES
+            .iter()
+            .filter(|scene| scene.quick || !options.quick)
+            .collect(),
     };
     if scenes.is_empty() {
         let known: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
         let name = options.scene.as_deref().unwrap_or_default();
-        return Err(format!("--scene {name} is unknown; there are {}", known.join(", ")));
+        return Err(format!(
+            "--scene {name} is unknown; there are {}",
+            known.join(", ")
+        ));
     }
     Ok(scenes)
 }

@@ -21,8 +21,16 @@ struct Axis {
 }
 
 const AXES: [Axis; 2] = [
-    Axis { file: "time", name: "milliseconds, median", value: |row| row.ms.median },
-    Axis { file: "memory", name: "megabytes", value: |row| row.bytes as f64 / 1e6 },
+    Axis {
+        file: "time",
+        name: "milliseconds, median",
+        value: |row| row.ms.median,
+    },
+    Axis {
+        file: "memory",
+        name: "megabytes",
+        value: |row| row.bytes as f64 / 1e6,
+    },
 ];
 
 /// Points of one colour: a technique with those settings that are words.
@@ -32,22 +40,47 @@ type Series<'a> = BTreeMap<String, Vec<&'a Row>>;
 pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
     let mut plots: BTreeMap<(&str, &str), Series> = BTreeMap::new();
     for row in rows {
-        plots.entry((&row.scene, &row.group)).or_default().entry(series(row)).or_default().push(row);
+        plots
+            .entry((&row.scene, &row.group))
+            .or_default()
+            .entry(series(row))
+            .or_default()
+            .push(row);
     }
     for ((scene, group), series) in &plots {
         for axis in AXES {
             let path = folder.join(format!("error_{}_{scene}_{group}.svg", axis.file));
-            plot(&path, &format!("{group} on {scene}: error against {}", axis.file), axis, series)
-                .map_err(|error| format!("{} cannot be drawn: {error}", path.display()))?;
+            plot(
+                &path,
+                &format!("{group} on {scene}: error against {}", axis.file),
+                axis,
+                series,
+            )
+            .map_err(|error| format!("{} cannot be drawn: {error}", path.display()))?;
         }
     }
     Ok(())
 }
 
 fn series(row: &Row) -> String {
-    let word = |key: &str| row.settings.get(key).and_then(Value::as_str).map(|word| format!(" {word}"));
-    let number = |key: &str| row.settings.get(key).and_then(Value::as_u64).map(|number| format!(" {key} {number}"));
-    let parts = [word("storage"), word("raster").filter(|word| word != " auto"), number("layers"), number("pcf")];
+    let word = |key: &str| {
+        row.settings
+            .get(key)
+            .and_then(Value::as_str)
+            .map(|word| format!(" {word}"))
+    };
+    let number = |key: &str| {
+        row.settings
+            .get(key)
+            .and_then(Value::as_u64)
+            .map(|number| format!(" {key} {number}"))
+    };
+    let parts = [
+        word("storage"),
+        word("raster").filter(|word| word != " auto"),
+        number("layers"),
+        number("pcf"),
+    ];
     row.technique.clone() + &parts.into_iter().flatten().collect::<String>()
 }
 
@@ -58,7 +91,12 @@ fn around(values: impl Iterator<Item = f64> + Clone) -> std::ops::Range<f64> {
     low / 1.3..high * 1.3
 }
 
-fn plot(path: &Path, title: &str, axis: Axis, series: &Series) -> std::result::Result<(), Box<dyn std::error::Error>> {
+fn plot(
+    path: &Path,
+    title: &str,
+    axis: Axis,
+    series: &Series,
+) -> std::result::Result<(), Box<dyn std::error::Error>> {
     let all = || series.values().flatten();
     let error = |row: &Row| row.error.rmse.max(LEAST_ERROR);
     let root = SVGBackend::new(path, (760, 460)).into_drawing_area();
@@ -72,7 +110,16 @@ fn plot(path: &Path, title: &str, axis: Axis, series: &Series) -> std::result::R
             around(all().map(|row| (axis.value)(row))).log_scale(),
             around(all().map(|row| error(row))).log_scale(),
         )?;
-    let plain = |value: &f64| if *value < 0.01 { format!("{value:.0e}") } else { format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned() };
+    let plain = |value: &f64| {
+        if *value < 0.01 {
+            format!("{value:.0e}")
+        } else {
+            format!("{value:.4}")
+                .trim_end_matches('0')
+                .trim_end_matches('.')
+                .to_owned()
+        }
+    };
     chart
         .configure_mesh()
         .x_desc(axis.name)
@@ -83,11 +130,21 @@ fn plot(path: &Path, title: &str, axis: Axis, series: &Series) -> std::result::R
         .draw()?;
     for (number, (name, rows)) in series.iter().enumerate() {
         let colour = Palette99::pick(number).to_rgba();
-        let mut points: Vec<(f64, f64)> = rows.iter().map(|row| ((axis.value)(row), error(row))).collect();
+        let mut points: Vec<(f64, f64)> = rows
+            .iter()
+            .map(|row| ((axis.value)(row), error(row)))
+            .collect();
         points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        chart.draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(1)))?;
+        chart.draw_series(LineSeries::new(
+            points.iter().copied(),
+            colour.stroke_width(1),
+        ))?;
         chart
-            .draw_series(points.iter().map(|point| Circle::new(*point, 4, colour.filled())))?
+            .draw_series(
+                points
+                    .iter()
+                    .map(|point| Circle::new(*point, 4, colour.filled())),
+            )?
             .label(name)
             .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
     }

@@ -29,28 +29,62 @@ of white.
 pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
     let mut tables: BTreeMap<(&str, &str), Vec<&Row>> = BTreeMap::new();
     for row in rows {
-        tables.entry((&row.scene, &row.group)).or_default().push(row);
+        tables
+            .entry((&row.scene, &row.group))
+            .or_default()
+            .push(row);
     }
     let mut text = HEADING.to_owned();
     for ((scene, group), rows) in tables {
         let row = rows[0];
-        let Row { width, height, adapter, driver, date, .. } = row;
+        let Row {
+            width,
+            height,
+            adapter,
+            driver,
+            date,
+            ..
+        } = row;
         // Writing to a string does not fail.
-        writeln!(text, "## {scene}, {width}×{height}: {group}\n\n{adapter}, {driver}, {date}.\n").ok();
+        writeln!(
+            text,
+            "## {scene}, {width}×{height}: {group}\n\n{adapter}, {driver}, {date}.\n"
+        )
+        .ok();
         text += &table(&rows, group == "shadow");
-        writeln!(text, "\n![Error against time](error_time_{scene}_{group}.svg)").ok();
-        writeln!(text, "![Error against memory](error_memory_{scene}_{group}.svg)\n").ok();
+        writeln!(
+            text,
+            "\n![Error against time](error_time_{scene}_{group}.svg)"
+        )
+        .ok();
+        writeln!(
+            text,
+            "![Error against memory](error_memory_{scene}_{group}.svg)\n"
+        )
+        .ok();
     }
     let path = folder.join("README.md");
-    std::fs::write(&path, text).map_err(|error| format!("{} cannot be written: {error}", path.display()))
+    std::fs::write(&path, text)
+        .map_err(|error| format!("{} cannot be written: {error}", path.display()))
 }
 
 fn table(rows: &[&Row], is_shadow: bool) -> String {
     let last = if is_shadow { "picture RMSE" } else { "ꟻLIP" };
-    let mut text = format!("| technique | settings | RMSE | p99 | max | {last} | ms, median (min) | MB | merged |\n|---|---|---|---|---|---|---|---|---|\n");
+    let mut text = format!(
+        "| technique | settings | RMSE | p99 | max | {last} | ms, median (min) | MB | merged |\n|---|---|---|---|---|---|---|---|---|\n"
+    );
     for row in rows {
-        let Error { rmse, p99, max, flip } = row.error;
-        let last = if is_shadow { row.image_error.map(|error| error.rmse) } else { flip };
+        let Error {
+            rmse,
+            p99,
+            max,
+            flip,
+        } = row.error;
+        let last = if is_shadow {
+            row.image_error.map(|error| error.rmse)
+        } else {
+            flip
+        };
         let last = last.map_or("–".into(), |value| format!("{value:.5}"));
         let merged = row.fragments.map_or("–".into(), |f| match f.merged {
             0 => "0".into(),
@@ -72,10 +106,21 @@ fn table(rows: &[&Row], is_shadow: bool) -> String {
 
 /// `key value, key value`.
 pub fn settings(settings: &Value) -> String {
-    let Some(map) = settings.as_object() else { return String::new() };
+    let Some(map) = settings.as_object() else {
+        return String::new();
+    };
     let one = |(key, value): (&String, &Value)| match value {
         Value::String(text) => format!("{key} {text}"),
-        Value::Number(number) => format!("{key} {}", number.as_f64().map_or_else(|| number.to_string(), |n| format!("{n:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())),
+        Value::Number(number) => format!(
+            "{key} {}",
+            number.as_f64().map_or_else(
+                || number.to_string(),
+                |n| format!("{n:.4}")
+                    .trim_end_matches('0')
+                    .trim_end_matches('.')
+                    .to_owned()
+            )
+        ),
         other => format!("{key} {other}"),
     };
     map.iter().map(one).collect::<Vec<_>>().join(", ")

@@ -65,19 +65,37 @@ pub struct Probe {
 impl Truth {
     /// Makes the groom and lists its fragments.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let mut strands = groom::builtin(scene.groom, scene.strands).map_err(|error| error.to_string())?;
+        let mut strands =
+            groom::builtin(scene.groom, scene.strands).map_err(|error| error.to_string())?;
         if strands.curve() != Curve::Polyline {
-            strands = groom::tessellate(&strands, CURVE_PIECES).map_err(|error| error.to_string())?;
+            strands =
+                groom::tessellate(&strands, CURVE_PIECES).map_err(|error| error.to_string())?;
         }
         let bounds = Bounds::around(strands.points()).ok_or("the groom has no points")?;
         let [width, height] = scene.size;
-        let camera = crate::scene_file::scene::Camera { width, height, ..Default::default() };
+        let camera = crate::scene_file::scene::Camera {
+            width,
+            height,
+            ..Default::default()
+        };
         let framing = framing::frame(&camera, bounds, bounds)?;
 
         let reference = pelage_reference::scene::Strands {
-            points: strands.points().iter().map(|p| Vec3::from(*p).as_dvec3()).collect(),
-            offsets: strands.offsets().iter().map(|offset| *offset as usize).collect(),
-            radii: strands.radii().iter().map(|radius| f64::from(*radius)).collect(),
+            points: strands
+                .points()
+                .iter()
+                .map(|p| Vec3::from(*p).as_dvec3())
+                .collect(),
+            offsets: strands
+                .offsets()
+                .iter()
+                .map(|offset| *offset as usize)
+                .collect(),
+            radii: strands
+                .radii()
+                .iter()
+                .map(|radius| f64::from(*radius))
+                .collect(),
         };
         let camera = Camera {
             clip_from_world: framing.view.clip_from_view * framing.view.view_from_world,
@@ -126,12 +144,22 @@ impl Truth {
 
     /// The picture of each pixel's nearest fragment.
     pub fn nearest(&self, model: &KajiyaKay) -> Image {
-        composite::opaque(&self.lists, self.opacity, point_colours(&self.colours(model)))
+        composite::opaque(
+            &self.lists,
+            self.opacity,
+            point_colours(&self.colours(model)),
+        )
     }
 
     /// The picture of all fragments. All cases are shaded alike: the first model is the one that counts.
     pub fn exact(&self, model: &KajiyaKay) -> &Image {
-        self.exact.get_or_init(|| composite::composite(&self.lists, self.opacity, point_colours(&self.colours(model))))
+        self.exact.get_or_init(|| {
+            composite::composite(
+                &self.lists,
+                self.opacity,
+                point_colours(&self.colours(model)),
+            )
+        })
     }
 
     /// Transmittances of nearest fragments, evenly picked over the covered pixels. They are means over a disc of half
@@ -159,7 +187,9 @@ impl Truth {
             .map(|point| (self.reference.points[point], Some(point)))
             .collect();
         let query = Query {
-            light: Light::Directional { towards: -LIGHT_DIRECTION },
+            light: Light::Directional {
+                towards: -LIGHT_DIRECTION,
+            },
             alpha: self.opacity,
             footprint: 0.5 * self.pixel_size(),
             samples: RAYS,
@@ -168,9 +198,13 @@ impl Truth {
         let probe = |(pixel, ends): (&usize, &[f64])| {
             let fragments = self.lists.pixel(*pixel);
             let nearest = &fragments[0];
-            let [start, end] = [colours[nearest.segment as usize], colours[nearest.segment as usize + 1]];
+            let [start, end] = [
+                colours[nearest.segment as usize],
+                colours[nearest.segment as usize + 1],
+            ];
             let mix = |channel: usize, passed: &[f64]| {
-                start[channel] * passed[0] * (1.0 - nearest.t) + end[channel] * passed[1] * nearest.t
+                start[channel] * passed[0] * (1.0 - nearest.t)
+                    + end[channel] * passed[1] * nearest.t
             };
             let bright: [f64; 3] = std::array::from_fn(|channel| mix(channel, &[1.0, 1.0]));
             Probe {
@@ -180,12 +214,17 @@ impl Truth {
                 opacity: 1.0 - composite::transmittance(fragments, self.opacity),
             }
         };
-        picked.iter().zip(passed.chunks_exact(2)).map(probe).collect()
+        picked
+            .iter()
+            .zip(passed.chunks_exact(2))
+            .map(probe)
+            .collect()
     }
 
     /// A pixel's size in world units at the middle of the groom.
     fn pixel_size(&self) -> f64 {
         let distance = self.framing.eye.distance(self.framing.target);
-        2.0 * distance * (0.5 * self.framing.vfov_deg.to_radians()).tan() / f64::from(self.framing.height)
+        2.0 * distance * (0.5 * self.framing.vfov_deg.to_radians()).tan()
+            / f64::from(self.framing.height)
     }
 }
