@@ -31,9 +31,11 @@ fn lambert_vertex(@location(0) place: vec3f, @location(1) normal: vec3f) -> Vert
 
 @fragment
 fn lambert(vertex: Vertex) -> @location(0) vec4f {
-    // The side that is seen is the one that is lit.
-    let facing = select(-1.0, 1.0, dot(vertex.normal, vertex.place) < 0.0);
-    let normal = facing * normalize(vertex.normal);
+    // The side that is seen is the one that is lit. The triangle tells which that is: a smooth normal near an outline
+    // may look away from the eye although its side is seen.
+    let plane = cross(dpdx(vertex.place), dpdy(vertex.place));
+    let seen = select(plane, -plane, dot(plane, vertex.place) > 0.0);
+    let normal = select(-1.0, 1.0, dot(vertex.normal, seen) >= 0.0) * normalize(vertex.normal);
     var irradiance = 3.14159265 * scene.ambient.xyz;
     for (var i = 0u; i < u32(scene.ambient.w); i++) {
         let light = scene.lights[i];

@@ -9,10 +9,11 @@ use pelage::{Frame, Hair, Light, LightKind, PassTime, Statistics, Target, wgpu};
 use serde_json::{Map, Value, json};
 
 use super::framing::{self, Bounds, Framing};
+use super::groom;
 use super::mesh_pass::{MeshPass, Scenery};
 use super::output::{Picture, Spread};
 use super::scene::{Result, Scene};
-use super::{groom, techniques};
+use super::techniques::{self, number, numbers};
 
 /// A scene on the GPU, ready to be rendered again and again.
 pub struct Renderer {
@@ -249,13 +250,16 @@ impl Renderer {
         let (least, most) = radii
             .iter()
             .fold((f32::INFINITY, 0.0f32), |(a, b), r| (a.min(*r), b.max(*r)));
-        let mut fibre = json!(scene.fibre);
-        // One number where it is one, else the range.
-        fibre["radius"] = if least == most {
-            json!(least)
-        } else {
-            json!([least, most])
-        };
+        let fibre = json!({
+            // One number where it is one, else the range.
+            "radius": if least == most { number(least) } else { json!([number(least), number(most)]) },
+            "opacity": number(scene.fibre.opacity),
+            "eta": number(scene.fibre.eta),
+            "sigma_a": numbers(scene.fibre.sigma_a.into()),
+            "beta_m": number(scene.fibre.beta_m),
+            "beta_n": number(scene.fibre.beta_n),
+            "alpha_deg": number(scene.fibre.alpha_deg),
+        });
         let meshes = match &scene.meshes {
             Some(paths) => json!(paths),
             None if self.meshes.is_some() => json!(["builtin:head"]),
@@ -268,7 +272,7 @@ impl Renderer {
                 "vfov_deg": vfov_deg, "width": width, "height": height,
             },
             "light": lights,
-            "ambient": self.ambient.to_array(),
+            "ambient": numbers(self.ambient),
             "fibre": fibre,
             "shading": techniques::shading_settings(&scene.shading),
             "shadow": techniques::shadow_settings(&scene.shadow),
@@ -330,13 +334,13 @@ fn light_settings(light: &Light) -> Value {
             direction,
             irradiance,
         } => {
-            json!({ "direction": direction.to_array(), "irradiance": irradiance.to_array() })
+            json!({ "direction": direction.to_array(), "irradiance": numbers(irradiance) })
         }
         LightKind::Point {
             position,
             intensity,
         } => {
-            json!({ "position": position.to_array(), "intensity": intensity.to_array() })
+            json!({ "position": position.to_array(), "intensity": numbers(intensity) })
         }
     }
 }

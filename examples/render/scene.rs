@@ -7,8 +7,8 @@ use pelage::groom::BuiltinGroom;
 use pelage::shading::Shading;
 use pelage::shadow::Shadow;
 use pelage::transparency::Transparency;
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::techniques::{self, GROUPS};
@@ -96,7 +96,7 @@ pub struct Light {
 }
 
 /// The `fibre` group.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fibre {
     /// Radius everywhere; `None`: the file's own, or else one that suits the groom's size.

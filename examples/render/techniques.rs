@@ -297,9 +297,9 @@ pub fn shading_settings(shading: &Shading) -> Value {
     match shading {
         Shading::KajiyaKay(model) => json!({
             "model": shading.stem(),
-            "diffuse": model.diffuse.to_array(),
-            "specular": model.specular.to_array(),
-            "exponent": model.exponent,
+            "diffuse": numbers(model.diffuse),
+            "specular": numbers(model.specular),
+            "exponent": number(model.exponent),
         }),
         _ => json!({ "model": shading.stem() }),
     }
@@ -335,4 +335,17 @@ fn with_stem(stem: &str, settings: Value) -> Value {
         group.extend(settings);
     }
     Value::Object(group)
+}
+
+/// A number as it would be written: JSON's are doubles, in which 0.1 as a float is 0.10000000149.
+pub fn number(value: f32) -> Value {
+    value
+        .to_string()
+        .parse::<f64>()
+        .map_or(Value::Null, Value::from)
+}
+
+/// [`number`] of each channel.
+pub fn numbers(values: Vec3) -> Value {
+    values.to_array().map(number).to_vec().into()
 }
