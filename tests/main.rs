@@ -1,3 +1,4 @@
 //! All tests of the library as one binary.
 
 mod groom;
+mod render;
