@@ -1,4 +1,8 @@
 //! All tests of the library as one binary.
 
+mod common;
 mod groom;
 mod render;
+mod shaders;
+mod shading;
+mod transparency;

@@ -58,7 +58,7 @@ pub(crate) struct Emission {
 }
 
 impl Emission {
-    fn module(&self, rasteriser: &'static str) -> Module {
+    pub(crate) fn module(&self, rasteriser: &'static str) -> Module {
         Module::new(&["common/coverage", "common/segment"])
             .with("STAGE", Constant::U32(self.stage))
             .and(self.files)

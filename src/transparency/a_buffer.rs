@@ -25,6 +25,9 @@ const HISTOGRAM: Emission = Emission { label: "pelage.transparency.a_buffer.over
 const SCATTER: Emission = Emission { label: "pelage.transparency.a_buffer.scatter", stage: 3, ..COUNT };
 const LIST: Emission = Emission { label: "pelage.transparency.a_buffer.list", stage: 4, ..COUNT };
 
+/// All stages.
+pub(crate) const EMISSIONS: [Emission; 5] = [COUNT, RANGE, HISTOGRAM, SCATTER, LIST];
+
 /// Rounds of the search for a pixel's share; each parts the depth range by four: 4⁵ = 1,024 depths a pixel.
 const SEARCH_ROUNDS: u32 = 5;
 
