@@ -2,6 +2,7 @@
 
 mod common;
 mod groom;
+mod raster;
 mod render;
 mod shaders;
 mod shading;

@@ -17,9 +17,10 @@ const SIZE: [u32; 2] = [164, 215];
 const ALPHA: f64 = 1e-3;
 /// A pixel whose transmittance is below this is not composited further.
 const UNSEEN: f64 = 1.0 / 4096.0;
-/// Error of the colour with a tenth of the pool, RMSE over covered pixels of a white point of about 0.5. Measured
-/// COLOUR_MEASURED.
-const COLOUR: Tolerance = Tolerance { rmse: 0.03, p99: 0.12 };
+/// Errors of the colour with a tenth of the pool over covered pixels, where a white point is about 0.5. Counted arrays
+/// keep the nearest: measured RMSE 0.011, p99 0.049. Lists keep whichever came first: 0.030 and 0.135.
+const COUNTED: Tolerance = Tolerance { rmse: 0.015, p99: 0.07 };
+const LISTS: Tolerance = Tolerance { rmse: 0.04, p99: 0.16 };
 /// The promise of the whole pool.
 const EXACT: Tolerance = Tolerance { rmse: 1e-3, p99: 4e-3 };
 
@@ -32,6 +33,10 @@ fn scene(device: &mut Device, opacity: f32) -> Hair {
 
 fn lights() -> [Light; 1] {
     [unshadowed(DVec3::new(-0.5, -0.6, -0.7), Vec3::new(2.0, 1.9, 1.7))]
+}
+
+fn bound(storage: Storage) -> Tolerance {
+    if storage == Storage::Lists { LISTS } else { COUNTED }
 }
 
 fn each(storage: Storage) -> u64 {
@@ -60,7 +65,8 @@ fn a_tenth_of_the_pool_erases_no_hair_and_bounds_the_error() {
             let (colour, alpha) = (colour_error(&actual, &expected, None), alpha_error(&actual, &expected, None));
             eprintln!("{name}: {fragments:?}\n  colour {colour:?}\n  alpha {alpha:?}");
             let fine = alpha.rmse <= ALPHA && alpha.p99 <= ALPHA + UNSEEN && alpha.max_elsewhere == 0.0;
-            if !fine || colour.rmse > COLOUR.rmse || colour.p99 > COLOUR.p99 {
+            let bound = bound(storage);
+            if !fine || colour.rmse > bound.rmse || colour.p99 > bound.p99 {
                 write_failure(&name, &actual, &expected);
                 panic!("{name}: colour {colour:?}, alpha {alpha:?}");
             }
@@ -101,7 +107,9 @@ fn tight_budget(device: &mut Offscreen, frame: &Frame) -> u64 {
     let small = Some(Transparency::ABuffer(ABuffer { pool_bytes: Some(16), ..settings }));
     let image = device.create_image(SIZE[0], SIZE[1], crate::common::images::FORMAT, false).unwrap();
     let frame = Frame { transparency: small, ..*frame };
-    device.render(&frame, &pelage::Target::cleared(&image.colour)).unwrap().bytes_total
+    let target = pelage::Target::cleared(&image.colour);
+    // Each of the frames that may be in flight has uniforms of its own.
+    (0..9).map(|_| device.render(&frame, &target).unwrap().bytes_total).max().unwrap()
 }
 
 #[test]
@@ -114,7 +122,7 @@ fn the_pool_grows_for_the_next_frame_unless_the_budget_forbids() {
         let transparency = Some(a_buffer(storage, raster));
         let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency };
         let expected = reference(&frame, SIZE, None);
-        let budget = tight_budget(&mut device, &frame) + 64 * 1024;
+        let budget = tight_budget(&mut device, &frame) + 512 * 1024;
         device.renderer.set_byte_budget(Some(budget));
         let (first, statistics) = render(&mut device, &frame, SIZE);
         assert!(statistics.fragments.merged > 0, "{name}: {:?}", statistics.fragments);
@@ -129,6 +137,20 @@ fn the_pool_grows_for_the_next_frame_unless_the_budget_forbids() {
         let (second, statistics) = render(&mut device, &frame, SIZE);
         assert_eq!(statistics.fragments.merged, 0, "{name}: {:?}", statistics.fragments);
         assert_close(&format!("grown pool, {name}"), &second, &expected, EXACT);
+    }
+}
+
+#[test]
+fn a_pool_that_takes_what_the_budget_leaves_still_lets_the_next_frame_be_drawn() {
+    let Some(mut device) = device() else { return };
+    let hair = scene(&mut device, 0.4);
+    let (hairs, lights) = ([&hair], lights());
+    let view = portrait(SIZE);
+    let transparency = Some(a_buffer(Storage::Counted, Raster::Walk));
+    let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency };
+    device.renderer.set_byte_budget(Some(4 << 20));
+    for _ in 0..9 {
+        render(&mut device, &frame, SIZE);
     }
 }
 
@@ -159,7 +181,7 @@ fn a_frame_of_far_more_fragments_than_the_last_one_is_exact_or_says_that_it_is_n
             write_failure(&name, &image, &expected);
             panic!("{name}: alpha {alpha:?}, {fragments:?}");
         }
-        let tolerance = if fragments.merged > 0 { COLOUR } else { EXACT };
+        let tolerance = if fragments.merged > 0 { bound(storage) } else { EXACT };
         let colour = colour_error(&image, &expected, None);
         if colour.rmse > tolerance.rmse || colour.p99 > tolerance.p99 {
             write_failure(&name, &image, &expected);
