@@ -1,6 +1,7 @@
 //! All tests of the library as one binary.
 
 mod common;
+mod composite;
 mod groom;
 mod raster;
 mod render;

@@ -65,6 +65,14 @@ impl Drop for Device {
     }
 }
 
+impl Device {
+    /// Makes a renderer that remembers no frame.
+    pub fn forget(&mut self) {
+        let (device, queue) = (self.renderer.device().clone(), self.renderer.queue().clone());
+        self.renderer = Renderer::new(&device, &queue).unwrap();
+    }
+}
+
 /// Takes the process's device, with a renderer that remembers no frame. Where there is none the test is skipped, which in CI is a failure.
 pub fn device() -> Option<Device> {
     static RECORDER: Once = Once::new();
@@ -88,7 +96,6 @@ pub fn device() -> Option<Device> {
         return None;
     };
     let mut taken = Device(lock(offscreen));
-    let (device, queue) = (taken.renderer.device().clone(), taken.renderer.queue().clone());
-    taken.renderer = Renderer::new(&device, &queue).unwrap();
+    taken.forget();
     Some(taken)
 }

@@ -148,7 +148,7 @@ fn a_pool_that_takes_what_the_budget_leaves_still_lets_the_next_frame_be_drawn()
     let view = portrait(SIZE);
     let transparency = Some(a_buffer(Storage::Counted, Raster::Walk));
     let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency };
-    device.renderer.set_byte_budget(Some(4 << 20));
+    device.renderer.set_byte_budget(Some(5 << 20));
     for _ in 0..9 {
         render(&mut device, &frame, SIZE);
     }
