@@ -22,6 +22,9 @@ const MAX_BANDS: u64 = 64;
 /// Room in a new pool beyond what the frame is expected, or was measured, to need.
 const POOL_MARGIN: f64 = 1.15;
 
+/// Bytes that a pool leaves free in the host's budget.
+const RESERVE: u64 = 1 << 16;
+
 /// The state of a slot's counters on their way back.
 const IDLE: u8 = 0;
 const PENDING: u8 = 1;
@@ -294,14 +297,11 @@ impl Resources {
                 (expected as u64).clamp(4096, most)
             }
         };
-        // What the old pool holds comes free before the new one is made.
-        let left = (gpu.ledger().left() / each).saturating_add(held);
-        let wanted = wanted.min(left.saturating_sub(256)).max(1);
-        let enough = self.needed > 0 && settings.pool_bytes.is_none() && held >= self.needed && held <= left;
-        let fits = match settings.pool_bytes {
-            Some(_) => held >= wanted,
-            None => held >= wanted || enough,
-        };
+        // What the old pool holds comes free before the new one is made; the ring's uniforms find room too.
+        let reserve = RING as u64 * (plan.uniforms.len() as u64).next_power_of_two() + RESERVE;
+        let left = (gpu.ledger().left().saturating_sub(reserve) / each).saturating_add(held);
+        let wanted = wanted.min(left).max(1);
+        let fits = held >= wanted;
         let lists = settings.storage == Storage::Lists;
         if !fits || (lists && self.pixels.links.size() / 4 < wanted) {
             let generation = &mut self.generation;

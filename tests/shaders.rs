@@ -68,7 +68,7 @@ fn every_file_of_the_shader_folder_is_known() {
 
 #[test]
 fn shared_structs_have_the_same_sizes_and_offsets_in_rust_and_wgsl() {
-    let module = parsed("project", &testing::module_source(&["common/project"]));
+    let module = parsed("project", &testing::module_source(&["common/pixels", "common/project"]));
     for layout in testing::layouts() {
         let (members, span) = wgsl_struct(&module, layout.name);
         // An array of them steps by the size rounded up to the alignment, which naga's span is.

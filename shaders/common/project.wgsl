@@ -34,6 +34,11 @@ fn project_pixel(clip: vec4f) -> vec2f {
     return vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * drawing.viewport;
 }
 
+fn project_unit(v: vec3f) -> vec3f {
+    let size = length(v);
+    return select(vec3f(0.0), v / max(size, 1e-30), size > 1e-30);
+}
+
 // Where the segment between two points crosses the near plane.
 fn project_cut(behind: vec3f, before: vec3f) -> vec3f {
     let g0 = project_near_distance(project_clip(behind));
@@ -144,11 +149,12 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let sum = after.direction - before.direction;
     let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
 
-    // The strand's tangent in relative space.
+    // The strand's tangent in relative space: the sum of its segments' unit directions.
     let previous = project_relative(select(index - 1u, index, is_first));
     let next = project_relative(select(index + 1u, index, is_last));
+    let tangent = project_unit(next - position) + project_unit(position - previous);
     let to_eye = drawing.eye.xyz - position * drawing.eye.w;
-    let side = cross(next - previous, to_eye);
+    let side = cross(tangent, to_eye);
     let side_length = length(side);
     let clip = project_clip(position);
     var half_width = 0.0;
