@@ -1,0 +1,3 @@
+//! The C ABI, as a C host sees it.
+
+mod header;
