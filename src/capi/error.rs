@@ -13,25 +13,25 @@ use crate::error::{Error, Result};
 pub type PelageResult = u32;
 
 /// Done.
-pub const PELAGE_OK: PelageResult = 0;
+pub const PELAGE_OK: u32 = 0;
 /// A value is out of range, not finite, NULL where it must not be, or does not fit the others.
-pub const PELAGE_INVALID_VALUE: PelageResult = 1;
+pub const PELAGE_INVALID_VALUE: u32 = 1;
 /// Bytes of a file do not follow their format.
-pub const PELAGE_INVALID_FILE: PelageResult = 2;
+pub const PELAGE_INVALID_FILE: u32 = 2;
 /// A handle is NULL, was destroyed, or belongs to something else.
-pub const PELAGE_INVALID_HANDLE: PelageResult = 3;
+pub const PELAGE_INVALID_HANDLE: u32 = 3;
 /// Hairs of one frame wish for different techniques and the frame names none.
-pub const PELAGE_CONFLICT: PelageResult = 4;
+pub const PELAGE_CONFLICT: u32 = 4;
 /// The adapter, the driver or a target cannot do what was asked.
-pub const PELAGE_UNSUPPORTED: PelageResult = 5;
+pub const PELAGE_UNSUPPORTED: u32 = 5;
 /// No memory was left, on the GPU or within the byte budget.
-pub const PELAGE_OUT_OF_MEMORY: PelageResult = 6;
+pub const PELAGE_OUT_OF_MEMORY: u32 = 6;
 /// The device is lost. The context is dead; destroy it.
-pub const PELAGE_DEVICE_LOST: PelageResult = 7;
+pub const PELAGE_DEVICE_LOST: u32 = 7;
 /// A fault of the library itself.
-pub const PELAGE_INTERNAL: PelageResult = 8;
+pub const PELAGE_INTERNAL: u32 = 8;
 /// A fault of the library itself, caught while it unwound. The context of the call is dead; destroy it.
-pub const PELAGE_PANIC: PelageResult = 9;
+pub const PELAGE_PANIC: u32 = 9;
 
 thread_local! {
     static LAST_ERROR: RefCell<CString> = RefCell::default();

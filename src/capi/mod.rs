@@ -12,21 +12,31 @@
 // The rule above is that of every function; repeating it would fill the header.
 #![allow(clippy::missing_safety_doc)]
 
-mod context;
 mod descriptor;
-mod error;
-mod frame;
-mod hair;
 mod input;
-mod logging;
-mod readback;
 mod registry;
-mod render;
-mod settings;
-mod statistics;
-mod strands;
-mod target;
+
+// In the header's order.
 mod version;
+
+mod error;
+mod logging;
+
+mod context;
+
+mod settings;
+mod strands;
+
+mod hair;
+
+mod target;
+
+mod readback;
+
+mod frame;
+mod render;
+
+mod statistics;
 
 pub use context::*;
 pub use error::*;

@@ -1,6 +1,6 @@
 //! `include/pelage.h` is what `src/capi` says.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use pelage::capi::*;
 
@@ -10,15 +10,13 @@ fn root() -> &'static Path {
 
 /// A fresh header.
 fn generate() -> String {
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(root().join("src/capi")).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    let mut config = cbindgen::Config::from_file(root().join("cbindgen.toml")).unwrap();
-    config.trailer = Some(initialisers());
-    let builder = files.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| builder.with_src(file));
+    let config = cbindgen::Config::from_file(root().join("cbindgen.toml")).unwrap();
+    let builder = cbindgen::Builder::new().with_config(config).with_src(root().join("src/capi/mod.rs"));
     let mut text = Vec::new();
     builder.generate().unwrap().write(&mut text);
-    String::from_utf8(text).unwrap()
+    let end = "#ifdef __cplusplus\n}";
+    let initialisers = format!("{}\n{end}", initialisers());
+    String::from_utf8(text).unwrap().replace('…', "...").replace(end, &initialisers)
 }
 
 #[test]
