@@ -29,6 +29,7 @@ files![
     "shadow/deep_opacity_map_common",
     "shadow/deep_opacity_map_emit",
     "shadow/deep_opacity_map_prefix",
+    "transparency/pixels",
     "transparency/emit_common",
     "transparency/shaded",
     "transparency/overflow",

@@ -1,3 +1,5 @@
-//! The integration tests, in one binary.
+//! All tests of the library as one binary.
 
 mod capi;
+mod groom;
+mod render;

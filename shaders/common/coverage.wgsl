@@ -31,15 +31,18 @@ fn coverage_band(f: Footprint, d: f32, h: f32) -> f32 {
     return coverage_half_plane(f, d + h) - coverage_half_plane(f, d - h);
 }
 
-// ½ p × q of the part of the edge p…q that lies in the box low…high; an edge on the box's rim counts where `closed`.
+// ½ p × q of the part of the edge p…q that lies in the box low…high. Both figures run counter-clockwise; of two edges
+// that coincide, one is `closed` and counts where both run the same way, and none counts where the figures only touch.
 fn coverage_edge(p: vec2f, q: vec2f, low: vec2f, high: vec2f, closed: bool) -> f32 {
     let d = q - p;
     var enter = 0.0;
     var leave = 1.0;
     for (var axis = 0u; axis < 2u; axis++) {
         if abs(d[axis]) < 1e-7 {
-            let rim = select(p[axis] <= low[axis] || p[axis] >= high[axis], p[axis] < low[axis] || p[axis] > high[axis], closed);
-            if rim { return 0.0; }
+            if p[axis] < low[axis] || p[axis] > high[axis] { return 0.0; }
+            let turn = select(d.x, -d.y, axis == 0u);
+            if p[axis] == low[axis] && !(closed && turn > 0.0) { return 0.0; }
+            if p[axis] == high[axis] && !(closed && turn < 0.0) { return 0.0; }
         } else {
             let a = (low[axis] - p[axis]) / d[axis];
             let b = (high[axis] - p[axis]) / d[axis];

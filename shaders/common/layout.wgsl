@@ -136,7 +136,8 @@ struct Projected {
 // `bisector` is the unit normal of the plane that parts the point's two segments (2 × snorm16).
 struct ProjectedAttributes {
     bisector: u32,
-    // PROJECTED_… below, and the opacity (unorm16) in the lower half.
+    // PROJECTED_… below, and how far it is along the strand to its first and its last point, in pixels up to 1, in 13
+    // bits each.
     flags: u32,
 }
 
@@ -148,3 +149,5 @@ const PROJECTED_BREAK: u32 = 0x20000000u;
 const PROJECTED_BEHIND: u32 = 0x10000000u;
 const PROJECTED_CUT_START: u32 = 0x08000000u;
 const PROJECTED_CUT_END: u32 = 0x04000000u;
+const PROJECTED_DISTANCE_BITS: u32 = 13u;
+const PROJECTED_DISTANCE_MAX: u32 = 0x1fffu;

@@ -12,8 +12,8 @@
 
 // Points closer than this on the screen give no direction.
 const PROJECT_COINCIDENT_PX: f32 = 1e-4;
-// How many coincident neighbours are passed over in search of a direction.
-const PROJECT_SEARCH: u32 = 8u;
+// How many neighbours are looked at in search of a direction and of an end within a pixel.
+const PROJECT_SEARCH: u32 = 64u;
 
 fn project_relative(index: u32) -> vec3f {
     return (drawing.relative_from_object * vec4f(points[index].position, 1.0)).xyz;
@@ -40,23 +40,36 @@ fn project_cut(behind: vec3f, before: vec3f) -> vec3f {
     return mix(behind, before, clamp(g0 / (g0 - g1), 0.0, 1.0));
 }
 
-// Unit direction on the screen from `position` towards the next distinct point on one side; zero where there is none.
-fn project_direction(index: u32, position: vec3f, forward: bool) -> vec2f {
-    let here = project_pixel(project_clip(position));
+// What one side of a point looks like on the screen.
+struct ProjectSide {
+    // Unit direction towards the next distinct point; zero where there is none.
+    direction: vec2f,
+    // Along the strand to its end, or 1 where that is farther.
+    distance: f32,
+}
+
+fn project_side(index: u32, position: vec3f, forward: bool) -> ProjectSide {
+    let stop = select(POINT_FIRST, POINT_LAST, forward);
+    var side = ProjectSide(vec2f(0.0), 0.0);
+    var here = project_pixel(project_clip(position));
     var at = index;
     for (var step = 0u; step < PROJECT_SEARCH; step++) {
-        let stop = select(POINT_FIRST, POINT_LAST, forward);
-        if (attributes[at].strand & stop) != 0u { break; }
+        if (attributes[at].strand & stop) != 0u { return side; }
         at = select(at - 1u, at + 1u, forward);
         var neighbour = project_relative(at);
         let cut = project_near_distance(project_clip(neighbour)) < 0.0;
         if cut { neighbour = project_cut(neighbour, position); }
-        let offset = project_pixel(project_clip(neighbour)) - here;
+        let there = project_pixel(project_clip(neighbour));
+        let offset = there - here;
         let distance = length(offset);
-        if distance > PROJECT_COINCIDENT_PX { return offset / distance; }
-        if cut { break; }
+        if all(side.direction == vec2f(0.0)) && distance > PROJECT_COINCIDENT_PX { side.direction = offset / distance; }
+        side.distance += distance;
+        if cut || side.distance >= 1.0 { break; }
+        // Points that coincide are measured from the last distinct one.
+        if distance > PROJECT_COINCIDENT_PX { here = there; } else { side.distance -= distance; }
     }
-    return vec2f(0.0);
+    side.distance = min(side.distance, 1.0);
+    return side;
 }
 
 @compute @workgroup_size(64)
@@ -86,12 +99,13 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
         }
     }
 
-    var before = vec2f(0.0);
-    var after = vec2f(0.0);
-    if (flags & PROJECTED_CUT_START) == 0u { before = project_direction(index, position, false); }
-    if (flags & PROJECTED_CUT_END) == 0u { after = project_direction(index, position, true); }
-    if dot(before, after) < -0.5 { flags |= PROJECTED_BREAK; }
-    let sum = before + after;
+    var before = ProjectSide(vec2f(0.0), 0.0);
+    var after = ProjectSide(vec2f(0.0), 0.0);
+    if (flags & PROJECTED_CUT_START) == 0u { before = project_side(index, position, false); }
+    if (flags & PROJECTED_CUT_END) == 0u { after = project_side(index, position, true); }
+    // Both directions lead away from the point: a straight strand has -1 here, a turn of more than 120° above ½.
+    if dot(before.direction, after.direction) > 0.5 { flags |= PROJECTED_BREAK; }
+    let sum = after.direction - before.direction;
     let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
 
     // The strand's tangent in relative space.
@@ -113,6 +127,8 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let depth = dot(drawing.depth_row, vec4f(position, 1.0));
     let over_w = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u;
     projected_out[index] = Projected(project_pixel(clip), select(depth, depth / clip.w, over_w), half_width);
-    let opacity = u32(clamp(drawing.opacity, 0.0, 1.0) * 65535.0 + 0.5);
-    projected_attributes_out[index] = ProjectedAttributes(pack2x16snorm(bisector), flags | opacity);
+    let limit = f32(PROJECTED_DISTANCE_MAX);
+    flags |= u32(before.distance * limit + 0.5) << PROJECTED_DISTANCE_BITS;
+    flags |= u32(after.distance * limit + 0.5);
+    projected_attributes_out[index] = ProjectedAttributes(pack2x16snorm(bisector), flags);
 }

@@ -20,7 +20,9 @@ struct Segment {
     end_half_width: f32,
     start_depth: f32,
     end_depth: f32,
-    opacity: f32,
+    // How far beyond the segment's ends the strand goes on, in pixels; huge where that is a pixel or more.
+    before: f32,
+    after: f32,
     starts: bool,
     ends: bool,
     valid: bool,
@@ -37,6 +39,11 @@ struct Fragment {
     opacity: f32,
     // Number of the segment's first point among the frame's pooled points.
     point: u32,
+}
+
+fn segment_beyond(word: u32) -> f32 {
+    let steps = word & PROJECTED_DISTANCE_MAX;
+    return select(f32(steps) / f32(PROJECTED_DISTANCE_MAX), 1e9, steps == PROJECTED_DISTANCE_MAX);
 }
 
 // Joints of the screen's polyline that turn by more than 120° are stored as breaks; see project.wgsl.
@@ -68,9 +75,10 @@ fn segment(index: u32) -> Segment {
     s.end_half_width = q.half_width;
     s.start_depth = p.depth;
     s.end_depth = q.depth;
-    s.opacity = f32(flags & 0xffffu) / 65535.0;
     s.starts = (flags & (PROJECTED_FIRST | PROJECTED_BREAK | PROJECTED_CUT_START)) != 0u;
     s.ends = (next_flags & (PROJECTED_LAST | PROJECTED_BREAK | PROJECTED_CUT_END)) != 0u;
+    s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts);
+    s.after = select(segment_beyond(next_flags), 0.0, s.ends);
     s.footprint = footprint(s.normal);
     s.valid = max(p.half_width, q.half_width) > 0.0;
     return s;
@@ -101,15 +109,16 @@ fn segment_fragment(s: Segment, index: u32, centre: vec2f) -> Fragment {
     let half_width = mix(s.start_half_width, s.end_half_width, fragment.along);
     fragment.coverage = coverage_band(s.footprint, across, half_width);
     let support = s.footprint.support;
-    let cut_start = s.starts && along < support;
-    let cut_end = s.ends && s.length - along < support;
-    if fragment.coverage > 0.0 && (cut_start || cut_end) {
-        let low = vec2f(-across - half_width, select(-1.0, -along, s.starts));
-        let high = vec2f(-across + half_width, select(1.0, s.length - along, s.ends));
+    // A strand's end cuts every segment within a footprint of it, not only the last one.
+    let start = -along - s.before;
+    let end = s.length - along + s.after;
+    if fragment.coverage > 0.0 && (start > -support || end < support) {
+        let low = vec2f(-across - half_width, start);
+        let high = vec2f(-across + half_width, end);
         fragment.coverage = coverage_rectangle(s.normal, low, high);
     }
     fragment.depth = mix(s.start_depth, s.end_depth, fragment.along);
-    fragment.opacity = s.opacity * fragment.coverage;
+    fragment.opacity = drawing.opacity * fragment.coverage;
     fragment.point = drawing.point_base + index;
     return fragment;
 }

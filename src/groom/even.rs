@@ -15,7 +15,10 @@ pub(crate) struct EvenGuides {
 impl EvenGuides {
     /// Resamples guides that have fewer points than the longest, evenly in their coordinate.
     pub(crate) fn new(guides: &Strands) -> Self {
-        let points_each = (0..guides.strand_count()).map(|guide| guides.range(guide).len()).max().unwrap_or(0);
+        let points_each = (0..guides.strand_count())
+            .map(|guide| guides.range(guide).len())
+            .max()
+            .unwrap_or(0);
         let mut even = Self {
             points_each,
             curve: guides.curve(),
@@ -32,7 +35,8 @@ impl EvenGuides {
     fn add(&mut self, guides: &Strands, guide: usize) {
         let range = guides.range(guide);
         if range.len() == self.points_each {
-            self.points.extend(guides.points()[range.clone()].iter().map(|p| Vec3::from(*p)));
+            self.points
+                .extend(guides.points()[range.clone()].iter().map(|p| Vec3::from(*p)));
             self.radii.extend_from_slice(&guides.radii()[range]);
             return;
         }
@@ -48,12 +52,16 @@ impl EvenGuides {
 
     /// The weighted position of point `i` of three guides.
     pub(crate) fn position(&self, guides: [u32; 3], weights: [f32; 3], i: usize) -> Vec3 {
-        (0..3).map(|k| weights[k] * self.points[guides[k] as usize * self.points_each + i]).sum()
+        (0..3)
+            .map(|k| weights[k] * self.points[guides[k] as usize * self.points_each + i])
+            .sum()
     }
 
     /// The weighted radius of point `i` of three guides.
     pub(crate) fn radius(&self, guides: [u32; 3], weights: [f32; 3], i: usize) -> f32 {
-        (0..3).map(|k| weights[k] * self.radii[guides[k] as usize * self.points_each + i]).sum()
+        (0..3)
+            .map(|k| weights[k] * self.radii[guides[k] as usize * self.points_each + i])
+            .sum()
     }
 
     /// The weighted colour of three guides.

@@ -105,7 +105,10 @@ const TRIANGLE_SALT: u32 = 0x7472_6961;
 pub fn interpolate_on_mesh(guides: &Guides, settings: &InterpolationSettings) -> Result<Strands> {
     check_settings(settings)?;
     if guides.triangles().is_empty() && guides.strands().strand_count() > 0 {
-        return invalid!("{} guides have no mesh to interpolate on", guides.strands().strand_count());
+        return invalid!(
+            "{} guides have no mesh to interpolate on",
+            guides.strands().strand_count()
+        );
     }
     let strands = guides.strands();
     let root = |guide: u32| Vec3::from(strands.points()[strands.range(guide as usize).start]).as_dvec3();
@@ -120,7 +123,10 @@ pub fn interpolate_on_mesh(guides: &Guides, settings: &InterpolationSettings) ->
         placements.extend((0..count).map(|_| triangle));
     }
     let place = |(at, triangle): (usize, &&[u32; 3])| place(**triangle, at as u32, settings);
-    blend(&EvenGuides::new(strands), &placements.iter().enumerate().map(place).collect::<Vec<_>>())
+    blend(
+        &EvenGuides::new(strands),
+        &placements.iter().enumerate().map(place).collect::<Vec<_>>(),
+    )
 }
 
 /// Surrounds each guide with followers at random places of a disc perpendicular to it; no mesh is needed.
@@ -161,7 +167,9 @@ pub fn interpolate_clumps(guides: &Strands, settings: &ClumpSettings) -> Result<
         counts.resize(counts.len() + each as usize, range.len() as u32);
         colours.resize(colours.len() + each as usize, guides.colours()[guide]);
     }
-    let strands = Strands::new(points, &counts, 0.0)?.with_point_radii(radii)?.with_coordinates(coordinates)?;
+    let strands = Strands::new(points, &counts, 0.0)?
+        .with_point_radii(radii)?
+        .with_coordinates(coordinates)?;
     Ok(strands.with_colours(colours)?.with_curve(guides.curve()))
 }
 
@@ -218,7 +226,11 @@ pub(crate) fn nearest_first(root: [f32; 3], weights: [f32; 3]) -> [f32; 3] {
 pub(crate) fn stray(draws: &mut Draws, stray: &Stray) -> Vec3 {
     let strays = draws.uniform() < stray.fraction;
     let (direction, amount) = (draws.direction(), draws.uniform());
-    if strays { direction * amount * stray.strength } else { Vec3::ZERO }
+    if strays {
+        direction * amount * stray.strength
+    } else {
+        Vec3::ZERO
+    }
 }
 
 /// Displaces a strand's points by `stray` × its length, growing with the square of the way from the root.
@@ -226,7 +238,10 @@ fn lead_astray(points: &mut [[f32; 3]], stray: Vec3) {
     if stray == Vec3::ZERO {
         return;
     }
-    let length: f32 = points.windows(2).map(|pair| Vec3::from(pair[0]).distance(Vec3::from(pair[1]))).sum();
+    let length: f32 = points
+        .windows(2)
+        .map(|pair| Vec3::from(pair[0]).distance(Vec3::from(pair[1])))
+        .sum();
     let last = (points.len() - 1).max(1) as f32;
     for (i, point) in points.iter_mut().enumerate() {
         let u = i as f32 / last;
@@ -242,7 +257,9 @@ fn transported_frames(points: &[[f32; 3]]) -> Vec<[Vec3; 2]> {
     for i in 0..points.len() {
         let (before, after) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
         // Where points coincide the last tangent holds.
-        tangent = (Vec3::from(after) - Vec3::from(before)).try_normalize().unwrap_or(tangent);
+        tangent = (Vec3::from(after) - Vec3::from(before))
+            .try_normalize()
+            .unwrap_or(tangent);
         let flat = normal - tangent * normal.dot(tangent);
         normal = flat.try_normalize().unwrap_or_else(|| tangent.any_orthonormal_vector());
         frames.push([normal, tangent.cross(normal)]);
@@ -299,7 +316,10 @@ fn check_not_negative(name: &str, value: f32) -> Result<()> {
 
 /// Refuses a density that makes more strands or points than there may be, before any is made.
 fn check_total(expected: f64, guides: &Strands, density: f32) -> Result<()> {
-    let longest = (0..guides.strand_count()).map(|guide| guides.range(guide).len()).max().unwrap_or(0);
+    let longest = (0..guides.strand_count())
+        .map(|guide| guides.range(guide).len())
+        .max()
+        .unwrap_or(0);
     let fits = expected <= MAX_INTERPOLATED_STRANDS as f64 && expected * longest as f64 <= MAX_POINTS as f64;
     if !fits {
         return invalid!(

@@ -25,7 +25,11 @@ impl Strands {
         let covering = COVERS * surface / (2.0 * self.total_length());
         let [thinnest, thickest] = RADIUS_OVER_DIAGONAL.map(|fraction| fraction * diagonal);
         // A groom of lone points has no length; its radius is never seen.
-        let radius = if covering.is_finite() { covering.clamp(thinnest, thickest) } else { thinnest };
+        let radius = if covering.is_finite() {
+            covering.clamp(thinnest, thickest)
+        } else {
+            thinnest
+        };
         radius.min(f64::from(f32::MAX)) as f32
     }
 
@@ -35,6 +39,9 @@ impl Strands {
             let squares = (0..3).map(|axis| (f64::from(pair[1][axis]) - f64::from(pair[0][axis])).powi(2));
             squares.sum::<f64>().sqrt()
         };
-        (0..self.strand_count()).flat_map(|strand| self.points()[self.range(strand)].windows(2)).map(length).sum()
+        (0..self.strand_count())
+            .flat_map(|strand| self.points()[self.range(strand)].windows(2))
+            .map(length)
+            .sum()
     }
 }

@@ -39,22 +39,32 @@ const HAIRLINE: [[f32; 2]; 12] = [
 /// The width of the zone, in metres, in which hair thins out towards the hairline.
 const HAIRLINE_SOFTNESS: f32 = 0.007;
 
+/// No hair grows closer to an ear than this, in metres.
+const EAR_MARGIN: f32 = 0.002;
+
 /// Guide roots on the scalp, each side of the parting for itself, so that no triangle spans the parting.
 pub(crate) struct Scalp {
     pub(crate) roots: Vec<Vec3>,
     pub(crate) normals: Vec<Vec3>,
     /// The side of the parting that a root belongs to: -1 or 1, the sign of x.
     pub(crate) sides: Vec<f32>,
+    /// What a guide's random choices hang on; the same for the two sides' guides on the parting's plane.
+    pub(crate) keys: Vec<u32>,
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 /// Height over the hairline in metres; negative where no hair grows.
 pub(crate) fn height_over_hairline(p: Vec3) -> f32 {
     let azimuth = p.x.abs().atan2(p.z + 0.01);
-    let after = HAIRLINE.iter().position(|[angle, _]| *angle >= azimuth).unwrap_or(HAIRLINE.len() - 1).max(1);
+    let after = HAIRLINE
+        .iter()
+        .position(|[angle, _]| *angle >= azimuth)
+        .unwrap_or(HAIRLINE.len() - 1)
+        .max(1);
     let ([a, low], [b, high]) = (HAIRLINE[after - 1], HAIRLINE[after]);
     let t = ((azimuth - a) / (b - a)).clamp(0.0, 1.0);
-    p.y - (low + (high - low) * t * t * (3.0 - 2.0 * t))
+    let height = p.y - (low + (high - low) * t * t * (3.0 - 2.0 * t));
+    height.min(head::ears(p) - EAR_MARGIN)
 }
 
 impl Scalp {
@@ -64,6 +74,7 @@ impl Scalp {
             roots: Vec::new(),
             normals: Vec::new(),
             sides: Vec::new(),
+            keys: Vec::new(),
             triangles: Vec::new(),
         };
         for side in [-1.0, 1.0] {
@@ -94,6 +105,12 @@ impl Scalp {
         self.roots.push(root);
         self.normals.push(head::gradient(head::skull_of, root, 1e-3));
         self.sides.push(side);
+        let other_side = if side > 0.0 && across > 0 {
+            (ALONG * ACROSS) as u32
+        } else {
+            0
+        };
+        self.keys.push((along * ACROSS + across) as u32 + other_side);
     }
 
     fn add_triangle(&mut self, triangle: [u32; 3]) {
@@ -109,7 +126,9 @@ impl Scalp {
         let mut ends = Vec::with_capacity(self.triangles.len());
         let mut total = 0.0f64;
         for t in &self.triangles {
-            let area = (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).length();
+            let area = (corner(t[1]) - corner(t[0]))
+                .cross(corner(t[2]) - corner(t[0]))
+                .length();
             total += f64::from(area);
             ends.push(total);
         }

@@ -21,7 +21,10 @@ pub fn tessellate(strands: &Strands, pieces_per_segment: u32) -> Result<Strands>
         return invalid!("pieces_per_segment 0: a segment has at least one piece");
     }
     let pieces = pieces_per_segment as usize;
-    let total = strands.segment_count().saturating_mul(pieces).saturating_add(strands.strand_count());
+    let total = strands
+        .segment_count()
+        .saturating_mul(pieces)
+        .saturating_add(strands.strand_count());
     if total > MAX_POINTS {
         return invalid!("pieces_per_segment {pieces} makes {total} points: a groom has at most {MAX_POINTS}");
     }
@@ -32,7 +35,9 @@ pub fn tessellate(strands: &Strands, pieces_per_segment: u32) -> Result<Strands>
     for strand in 0..strands.strand_count() {
         let range = strands.range(strand);
         let own = &strands.points()[range.clone()];
-        cut(own, pieces, |segment, t| points.push(position(own, strands.curve(), segment, t).to_array()));
+        cut(own, pieces, |segment, t| {
+            points.push(position(own, strands.curve(), segment, t).to_array())
+        });
         let (r, u) = (&strands.radii()[range.clone()], &strands.coordinates()[range]);
         cut(own, pieces, |segment, t| radii.push(linear(r, segment, t)));
         cut(own, pieces, |segment, t| coordinates.push(linear(u, segment, t)));
@@ -72,7 +77,11 @@ fn position(own: &[[f32; 3]], curve: Curve, segment: usize, t: f32) -> Vec3 {
     if curve == Curve::Polyline {
         return p1.lerp(p2, t);
     }
-    let p0 = if segment > 0 { Vec3::from(own[segment - 1]) } else { 2.0 * p1 - p2 };
+    let p0 = if segment > 0 {
+        Vec3::from(own[segment - 1])
+    } else {
+        2.0 * p1 - p2
+    };
     let p3 = own.get(segment + 2).map_or(2.0 * p2 - p1, |p| Vec3::from(*p));
     let (m1, m2) = (0.5 * (p2 - p0), 0.5 * (p3 - p1));
     let (t2, t3) = (t * t, t * t * t);

@@ -46,7 +46,7 @@ impl Offscreen {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
         descriptor.backends = wgpu::Backends::VULKAN;
         descriptor.flags = if options.validation {
-            wgpu::InstanceFlags::VALIDATION | wgpu::InstanceFlags::DEBUG
+            wgpu::InstanceFlags::VALIDATION
         } else {
             wgpu::InstanceFlags::empty()
         };

@@ -12,6 +12,7 @@ const COUNT: Emission = Emission {
     label: "pelage.transparency.a_buffer.count",
     stage: 0,
     files: &[
+        "transparency/pixels",
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",

@@ -75,7 +75,7 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &B
 
 /// The files that supply `resolve(pixel)`.
 pub(crate) fn resolve_module(transparency: &Transparency) -> Module {
-    let common = Module::new(&["transparency/emit_common", "transparency/shaded"]);
+    let common = Module::new(&["transparency/pixels", "transparency/shaded"]);
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
         Transparency::ABuffer(settings) => a_buffer::resolve_module(common, settings.storage),

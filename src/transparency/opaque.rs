@@ -9,7 +9,7 @@ use crate::resources::Bound;
 const NEAREST: Emission = Emission {
     label: "pelage.transparency.opaque.nearest",
     stage: 0,
-    files: &["transparency/emit_common", "transparency/opaque_emit"],
+    files: &["transparency/pixels", "transparency/emit_common", "transparency/opaque_emit"],
     group: Group::PixelsWritten,
 };
 const WINNER: Emission = Emission { label: "pelage.transparency.opaque.winner", stage: 1, ..NEAREST };

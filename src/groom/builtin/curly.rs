@@ -10,11 +10,12 @@ pub(super) const STYLE: Style = Style {
     points: 33,
     curve: Curve::CatmullRom,
     longest: 0.36,
-    cut_height: -0.165,
+    cut_height: -0.170,
     layering: 0.06,
-    volume: 0.030,
-    leaders: 0.16,
-    gather: [0.65, 0.97],
+    volume: 0.024,
+    leaders: 0.12,
+    gather: [0.5, 0.95],
+    tightness: 0.70,
     clump: [0.5, 0.9],
     raggedness: 0.18,
     stray: Stray {
@@ -26,13 +27,24 @@ pub(super) const STYLE: Style = Style {
 
 /// A helix whose radius, turn, phase and hand belong to the lock.
 fn shape(points: &mut [Vec3], lock: &mut Lock) {
-    let radius = lock.shared.between(0.006, 0.010) * lock.own.between(0.8, 1.15);
+    let radius = lock.shared.between(0.0060, 0.0115) * lock.own.between(0.85, 1.12);
     let curls = Winding {
         amplitude: [radius, radius],
         turn: lock.shared.between(0.038, 0.050),
         phase: std::f32::consts::TAU * lock.shared.uniform() + 0.35 * lock.own.signed(),
-        onset: [0.005, 0.07],
+        onset: [0.015, 0.09],
+        aligned_at: None,
         hand: if lock.shared.uniform() < 0.5 { -1.0 } else { 1.0 },
     };
+    let bend = Winding {
+        amplitude: [lock.shared.between(0.002, 0.008), lock.shared.between(0.0, 0.005)],
+        turn: lock.shared.between(0.11, 0.2),
+        phase: std::f32::consts::TAU * lock.shared.uniform(),
+        onset: [0.03, 0.12],
+        aligned_at: None,
+        hand: 1.0,
+    };
+    // The slow bend first, so that the curls wind around it.
+    wind(points, &bend);
     wind(points, &curls);
 }

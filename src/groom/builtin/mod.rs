@@ -9,7 +9,7 @@ mod wavy;
 
 use super::{MAX_INTERPOLATED_STRANDS, Mesh, Strands};
 use crate::error::{Result, invalid};
-use glam::{Vec3, ivec3, vec3};
+use glam::Vec3;
 
 /// Hairstyles of the built-in head.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -56,9 +56,13 @@ pub fn builtin(groom: BuiltinGroom, strand_count: usize) -> Result<Strands> {
 /// The head that [`builtin`] combs: head, neck and shoulders, in metres, +y up, the face towards +z, the origin between
 /// the ears; closed, about 20,000 triangles.
 pub fn head_mesh() -> Mesh {
-    const SPACING: f32 = 0.0042;
-    let low = vec3(-0.218, -0.302, -0.150);
-    surface_nets::polygonise(head::distance, low, ivec3(104, 104, 72), SPACING)
+    // Finer where the face is.
+    let grid = [
+        surface_nets::planes([-0.208, 0.208], 0.0, 0.062, [0.0042, 0.0100]),
+        surface_nets::planes([-0.272, 0.14], -0.035, 0.062, [0.0042, 0.0098]),
+        surface_nets::planes([-0.145, 0.125], 0.09, 0.036, [0.0040, 0.0088]),
+    ];
+    surface_nets::polygonise(head::distance, &grid)
 }
 
 /// An estimate of the signed distance from `point` to the built-in head's skin, in metres; negative inside.

@@ -10,13 +10,14 @@ pub(super) const STYLE: Style = Style {
     points: 17,
     curve: Curve::Polyline,
     longest: 0.46,
-    cut_height: -0.225,
+    cut_height: -0.205,
     layering: 0.025,
     volume: 0.017,
-    leaders: 0.16,
-    gather: [0.15, 0.6],
+    leaders: 0.13,
+    gather: [0.15, 0.75],
+    tightness: 0.12,
     clump: [0.35, 0.92],
-    raggedness: 0.22,
+    raggedness: 0.30,
     stray: Stray {
         fraction: 0.03,
         strength: 0.07,
@@ -32,6 +33,7 @@ fn shape(points: &mut [Vec3], lock: &mut Lock) {
         phase: std::f32::consts::TAU * lock.shared.uniform() + 0.5 * lock.own.signed(),
         onset: [0.06, 0.25],
         hand: 1.0,
+        aligned_at: None,
     };
     wind(points, &bend);
 }

@@ -9,18 +9,36 @@ use std::collections::HashMap;
 /// Cells along the edge of the blocks that are skipped where the surface is far.
 const BLOCK: i32 = 4;
 
+/// A grid's planes on one axis, rising; cells may differ in size.
+pub(super) type Planes = Vec<f32>;
+
+/// Planes from `low` to at least `high`, `fine` apart within `half_width` of `focus`, up to `coarse` apart beyond.
+pub(super) fn planes([low, high]: [f32; 2], focus: f32, half_width: f32, [fine, coarse]: [f32; 2]) -> Planes {
+    let mut planes = vec![low];
+    let mut at = low;
+    while at < high || planes.len() % BLOCK as usize != 1 {
+        let beyond = ((at - focus).abs() - half_width) / half_width;
+        at += fine + (coarse - fine) * beyond.clamp(0.0, 1.0);
+        planes.push(at);
+    }
+    planes
+}
+
 /// A skipped block's distance must exceed its half diagonal by this factor, for a field that is only a bound.
 const SKIP: f32 = 1.6;
 
-/// Polygonises `field` inside the box from `low`, of `cells` cells of edge `spacing`, which must hold the surface.
-pub(super) fn polygonise(field: impl Fn(Vec3) -> f32, low: Vec3, cells: IVec3, spacing: f32) -> Mesh {
-    let place = |corner: IVec3| low + corner.as_vec3() * spacing;
+/// The step of a normal's central differences, in metres: smooths what the grid cannot hold.
+const NORMAL_STEP: f32 = 0.0012;
+
+/// Polygonises `field` on the grid of the given planes, which must hold the surface.
+pub(super) fn polygonise(field: impl Fn(Vec3) -> f32, grid: &[Planes; 3]) -> Mesh {
+    let place = |corner: IVec3| Vec3::from_array(std::array::from_fn(|axis| grid[axis][corner[axis] as usize]));
+    let cells = IVec3::from_array(std::array::from_fn(|axis| grid[axis].len() as i32 - 1));
     let mut net = Net::default();
     for block in boxes(IVec3::ZERO, cells / BLOCK) {
         let first = block * BLOCK;
-        let middle = place(first) + Vec3::splat(0.5 * BLOCK as f32 * spacing);
-        let reach = 0.5 * 3f32.sqrt() * BLOCK as f32 * spacing;
-        if field(middle).abs() > SKIP * reach {
+        let (low, high) = (place(first), place(first + BLOCK));
+        if field(low.midpoint(high)).abs() > SKIP * 0.5 * low.distance(high) {
             continue;
         }
         for cell in boxes(first, first + BLOCK) {
@@ -28,7 +46,11 @@ pub(super) fn polygonise(field: impl Fn(Vec3) -> f32, low: Vec3, cells: IVec3, s
         }
     }
     net.stitch();
-    let normals = net.positions.iter().map(|p| gradient(&field, *p, 0.25 * spacing).to_array()).collect();
+    let normals = net
+        .positions
+        .iter()
+        .map(|p| gradient(&field, *p, NORMAL_STEP).to_array())
+        .collect();
     Mesh {
         positions: net.positions.iter().map(|p| p.to_array()).collect(),
         normals,
@@ -81,7 +103,11 @@ impl Net {
                     continue;
                 };
                 // The surface faces from the inside corner to the outside one.
-                let quad = if inside[0] { [a, b, c, a, c, d] } else { [a, c, b, a, d, c] };
+                let quad = if inside[0] {
+                    [a, b, c, a, c, d]
+                } else {
+                    [a, c, b, a, d, c]
+                };
                 self.indices.extend(quad);
             }
         }

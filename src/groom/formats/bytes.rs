@@ -63,7 +63,9 @@ impl<'a> Bytes<'a> {
 
 /// The floats in `bytes`, four bytes each.
 pub(super) fn floats(bytes: &[u8]) -> impl ExactSizeIterator<Item = f32> {
-    bytes.chunks_exact(4).map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+    bytes
+        .chunks_exact(4)
+        .map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]]))
 }
 
 /// The first three floats of every `stride` bytes.

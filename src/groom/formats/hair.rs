@@ -151,7 +151,10 @@ fn point_counts(file: &Bytes, header: &Header, segments: Option<&[u8]>) -> Resul
         ));
     }
     Ok(match segments {
-        Some(array) => array.chunks_exact(2).map(|word| segment_count(word) as u32 + 1).collect(),
+        Some(array) => array
+            .chunks_exact(2)
+            .map(|word| segment_count(word) as u32 + 1)
+            .collect(),
         None => vec![each as u32; header.strands as usize],
     })
 }

@@ -47,9 +47,17 @@ pub fn read_tfx(bytes: &[u8]) -> Result<Strands> {
         return file.error("0 vertices a strand; a strand has at least one");
     }
     let (first, header_end, stride) = if version < 4.0 {
-        (file.u64(POSITIONS_AT_V3, "offset to positions")?, POSITIONS_AT_V3 + 8, 12)
+        (
+            file.u64(POSITIONS_AT_V3, "offset to positions")?,
+            POSITIONS_AT_V3 + 8,
+            12,
+        )
     } else {
-        (u64::from(file.u32(POSITIONS_AT_V4, "offset to positions")?), HEADER_BYTES_V4, 16)
+        (
+            u64::from(file.u32(POSITIONS_AT_V4, "offset to positions")?),
+            HEADER_BYTES_V4,
+            16,
+        )
     };
     if first < header_end {
         return file.error(format_args!("the positions at byte {first} lie in the header"));

@@ -1,0 +1,187 @@
+//! What is measured: the scenes, and each technique over a ladder of its settings.
+
+use std::fmt;
+
+use pelage::Raster;
+use pelage::glam::Vec3;
+use pelage::groom::BuiltinGroom;
+use pelage::shading::{KajiyaKay, Shading};
+use pelage::shadow::{DeepOpacityMap, Shadow};
+use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
+use serde_json::Value;
+
+use super::Group;
+use crate::scene_file::techniques;
+
+/// A groom and a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scene {
+    /// Its name in rows.
+    pub name: &'static str,
+    /// The groom.
+    pub groom: BuiltinGroom,
+    /// How many strands.
+    pub strands: usize,
+    /// Pixels in a row, and rows.
+    pub size: [u32; 2],
+    /// The fibres' own opacity.
+    pub opacity: f32,
+    /// Whether `--quick` measures it.
+    pub quick: bool,
+}
+
+/// The scenes of the report.
+pub const SCENES: &[Scene] = &[
+    Scene {
+        name: "straight_10k",
+        groom: BuiltinGroom::Straight,
+        strands: 10_000,
+        size: [328, 430],
+        opacity: 0.5,
+        quick: true,
+    },
+    Scene {
+        name: "straight",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.5,
+        quick: false,
+    },
+];
+
+/// One technique with its settings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// The kind of technique.
+    pub group: Group,
+    /// The shading model.
+    pub shading: Shading,
+    /// The shadow technique of the light.
+    pub shadow: Shadow,
+    /// The transparency technique.
+    pub transparency: Transparency,
+    /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
+    pub pool: Option<f64>,
+}
+
+impl Case {
+    /// The stem of the technique that is measured.
+    pub fn technique(&self) -> &'static str {
+        match self.group {
+            Group::Shading => self.shading.stem(),
+            Group::Shadow => self.shadow.stem(),
+            Group::Transparency => self.transparency.stem(),
+        }
+    }
+
+    /// The measured technique's settings, as in a scene file but for the stem.
+    pub fn settings(&self) -> Value {
+        let mut settings = match self.group {
+            Group::Shading => techniques::shading_settings(&self.shading),
+            Group::Shadow => techniques::shadow_settings(&self.shadow),
+            Group::Transparency => techniques::transparency_settings(&self.transparency),
+        };
+        if let Value::Object(map) = &mut settings {
+            map.shift_remove("technique");
+            map.shift_remove("model");
+            map.retain(|_, value| !value.is_null());
+            if let Some(part) = self.pool {
+                map.insert("pool_part".into(), part.into());
+            }
+        }
+        settings
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} {}", self.technique(), self.settings())
+    }
+}
+
+/// White fibres of even brightness, so that errors are parts of white.
+fn white(specular: f32, exponent: f32) -> Shading {
+    Shading::KajiyaKay(KajiyaKay {
+        diffuse: Vec3::splat(std::f32::consts::FRAC_1_PI),
+        specular: Vec3::splat(specular),
+        exponent,
+    })
+}
+
+/// Every case, in the order of the tables. `quick` leaves out the largest maps.
+pub fn cases(quick: bool) -> Vec<Case> {
+    let base = Case {
+        group: Group::Shading,
+        shading: white(0.09, 60.0),
+        shadow: Shadow::None,
+        transparency: Transparency::Opaque(Opaque::default()),
+        pool: None,
+    };
+    let mut cases = Vec::new();
+    for exponent in [10.0, 60.0, 300.0] {
+        cases.push(Case {
+            shading: white(0.09, exponent),
+            ..base.clone()
+        });
+    }
+    let resolutions: &[u32] = if quick {
+        &[256, 512]
+    } else {
+        &[256, 512, 1024]
+    };
+    for &resolution in resolutions {
+        for layers in [2, 4, 8, 16] {
+            for pcf in [1, 3] {
+                let map = DeepOpacityMap {
+                    resolution,
+                    layers,
+                    pcf,
+                    ..DeepOpacityMap::default()
+                };
+                cases.push(Case {
+                    group: Group::Shadow,
+                    shading: white(0.0, 60.0),
+                    shadow: Shadow::DeepOpacityMap(map),
+                    ..base.clone()
+                });
+            }
+        }
+    }
+    let base = Case {
+        group: Group::Transparency,
+        ..base
+    };
+    for raster in [Raster::Walk, Raster::Ribbons] {
+        cases.push(Case {
+            transparency: Transparency::Opaque(Opaque { raster }),
+            ..base.clone()
+        });
+    }
+    for storage in [Storage::Counted, Storage::Lists] {
+        for raster in [Raster::Walk, Raster::Ribbons] {
+            let a_buffer = ABuffer {
+                storage,
+                raster,
+                pool_bytes: None,
+            };
+            cases.push(Case {
+                transparency: Transparency::ABuffer(a_buffer),
+                ..base.clone()
+            });
+        }
+        for pool in [0.5, 0.1] {
+            let a_buffer = ABuffer {
+                storage,
+                raster: Raster::Walk,
+                pool_bytes: None,
+            };
+            cases.push(Case {
+                transparency: Transparency::ABuffer(a_buffer),
+                pool: Some(pool),
+                ..base.clone()
+            });
+        }
+    }
+    cases
+}

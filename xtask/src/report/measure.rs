@@ -1,0 +1,270 @@
+//! The GPU's side: renders a case, compares it, and times it.
+
+use std::time::Instant;
+
+use pelage::glam::Vec3;
+use pelage::host::offscreen::{Image, Offscreen, OffscreenOptions};
+use pelage::shading::{KajiyaKay, Shading};
+use pelage::shadow::Shadow;
+use pelage::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
+use pelage::transparency::{Storage, Transparency};
+use pelage::{Frame, Hair, Light, LightKind, Target, wgpu};
+use pelage_reference::composite;
+use pelage_reference::error::colour_error;
+
+use super::Group;
+use super::flip;
+use super::ladder::{Case, Scene};
+use super::row::{Error, Fragments, Row, Times};
+use super::truth::{IRRADIANCE, LIGHT_DIRECTION, Truth};
+use crate::Result;
+
+/// Frames before any is timed: shaders are compiled and pools find their size.
+const WARM_UP_FRAMES: usize = 2;
+/// Frames that are timed.
+const TIMED_FRAMES: usize = 5;
+/// Two fragments have the same colour if it differs by no more than this part: more than 16-bit floats lose.
+const SAME_COLOUR: f64 = 0.005;
+
+/// A case on a device of its own, so that its memory is its own.
+struct Bench<'a> {
+    offscreen: Offscreen,
+    image: Image,
+    hair: Hair,
+    truth: &'a Truth,
+}
+
+/// Measures a case.
+pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
+    let mut case = case.clone();
+    set_pool(&mut case, truth.lists.fragments.len());
+    let Shading::KajiyaKay(model) = case.shading else {
+        return Err(format!("the reference has no {}", case.shading.stem()));
+    };
+    let mut bench = Bench::new(scene, truth, &case)?;
+    let (error, image_error) = match case.group {
+        Group::Shadow => {
+            let (error, image_error) = bench.shadow_error(&case, &model)?;
+            (error, Some(image_error))
+        }
+        Group::Shading => (bench.image_error(&case, &truth.nearest(&model))?, None),
+        Group::Transparency => (bench.image_error(&case, truth.exact(&model))?, None),
+    };
+    let times = if case.group == Group::Shadow {
+        bench.pass_times(&case, "pelage.shadow.")?
+    } else {
+        bench.times(&case)?
+    };
+    let statistics = bench.offscreen.renderer.statistics();
+    let fragments = statistics.fragments;
+    let info = bench.offscreen.adapter_info();
+    Ok(Row {
+        group: case.group.name().into(),
+        technique: case.technique().into(),
+        settings: case.settings(),
+        scene: scene.name.into(),
+        width: scene.size[0],
+        height: scene.size[1],
+        error,
+        image_error,
+        ms: spread(times),
+        bytes: statistics.bytes_total,
+        fragments: (fragments.produced > 0).then_some(Fragments {
+            produced: fragments.produced,
+            culled: fragments.culled,
+            stored: fragments.stored,
+            merged: fragments.merged,
+        }),
+        adapter: info.name.clone(),
+        driver: format!("{} {}", info.driver, info.driver_info)
+            .trim()
+            .into(),
+        date: time::OffsetDateTime::now_utc().date().to_string(),
+    })
+}
+
+/// Turns a part of the pool into bytes.
+fn set_pool(case: &mut Case, fragments: usize) {
+    let (Some(part), Transparency::ABuffer(settings)) = (case.pool, &mut case.transparency) else {
+        return;
+    };
+    let each = match settings.storage {
+        Storage::Counted => FRAGMENT_BYTES,
+        Storage::Lists => NODE_BYTES,
+    };
+    settings.pool_bytes = Some((part * fragments as f64 * each as f64) as u64);
+}
+
+fn spread(mut times: Vec<f64>) -> Times {
+    times.sort_unstable_by(f64::total_cmp);
+    Times {
+        min: times[0],
+        median: times[times.len() / 2],
+    }
+}
+
+impl<'a> Bench<'a> {
+    fn new(scene: &Scene, truth: &'a Truth, case: &Case) -> Result<Self> {
+        let mut offscreen = Offscreen::new(&OffscreenOptions::default()).map_err(sentence)?;
+        let [width, height] = scene.size;
+        let image = offscreen
+            .create_image(width, height, wgpu::TextureFormat::Rgba32Float, false)
+            .map_err(sentence)?;
+        let mut hair = offscreen
+            .renderer
+            .create_hair(&truth.strands)
+            .map_err(sentence)?;
+        hair.opacity = scene.opacity;
+        hair.shading = case.shading;
+        Ok(Self {
+            offscreen,
+            image,
+            hair,
+            truth,
+        })
+    }
+
+    /// Renders once; the wall clock from the start of recording in milliseconds.
+    fn render(&mut self, shadow: Shadow, transparency: Transparency) -> Result<f64> {
+        let lights = [light(shadow)];
+        let hairs = [&self.hair];
+        let frame = frame(&hairs, &lights, self.truth, transparency);
+        let start = Instant::now();
+        self.offscreen
+            .render(&frame, &Target::cleared(&self.image.colour))
+            .map_err(sentence)?;
+        Ok(start.elapsed().as_secs_f64() * 1e3)
+    }
+
+    /// The picture after enough frames for the pools to have found their size.
+    fn picture(&mut self, shadow: Shadow, transparency: Transparency) -> Result<composite::Image> {
+        for _ in 0..WARM_UP_FRAMES {
+            self.render(shadow, transparency)?;
+        }
+        let pixels = self
+            .offscreen
+            .read_colour(&self.image.colour)
+            .map_err(sentence)?;
+        Ok(composite::Image {
+            width: self.image.colour.width() as usize,
+            height: self.image.colour.height() as usize,
+            pixels: pixels
+                .iter()
+                .map(|pixel| pixel.to_array().map(f64::from))
+                .collect(),
+        })
+    }
+
+    fn times(&mut self, case: &Case) -> Result<Vec<f64>> {
+        (0..TIMED_FRAMES)
+            .map(|_| self.render(case.shadow, case.transparency))
+            .collect()
+    }
+
+    /// The sum of the passes whose label begins so, each submitted alone.
+    fn pass_times(&mut self, case: &Case, prefix: &str) -> Result<Vec<f64>> {
+        let lights = [light(case.shadow)];
+        let hairs = [&self.hair];
+        let frame = frame(&hairs, &lights, self.truth, case.transparency);
+        let target = Target::cleared(&self.image.colour);
+        let mut times = Vec::new();
+        for _ in 0..TIMED_FRAMES {
+            let passes = self
+                .offscreen
+                .renderer
+                .render_timed(&frame, &target)
+                .map_err(sentence)?
+                .passes;
+            times.push(
+                passes
+                    .iter()
+                    .filter(|pass| pass.label.starts_with(prefix))
+                    .map(|pass| pass.ms)
+                    .sum(),
+            );
+        }
+        Ok(times)
+    }
+
+    /// The picture against another.
+    fn image_error(&mut self, case: &Case, truth: &composite::Image) -> Result<Error> {
+        let actual = self.picture(case.shadow, case.transparency)?;
+        let error = colour_error(&actual, truth, None);
+        Ok(Error {
+            rmse: error.rmse,
+            p99: error.p99,
+            max: error.max,
+            flip: flip::mean(&actual, truth),
+        })
+    }
+
+    /// Errors of transmittance and of the picture at the truth's probes. Transmittance is the picture with shadow over
+    /// the one without; where the latter has another colour than the truth, another strand was nearest and the point is
+    /// not the probe's.
+    fn shadow_error(&mut self, case: &Case, model: &KajiyaKay) -> Result<(Error, Error)> {
+        let lit = self.picture(Shadow::None, case.transparency)?;
+        let shadowed = self.picture(case.shadow, case.transparency)?;
+        let mut transmittance = Vec::new();
+        let mut radiance = Vec::new();
+        for probe in self.truth.probes(model) {
+            let [lit, shadowed] = [&lit, &shadowed].map(|image| image.pixels[probe.pixel]);
+            let expected = probe.bright.map(|bright| probe.opacity * bright);
+            if (0..3).any(|c| (lit[c] - expected[c]).abs() > SAME_COLOUR * expected[c]) {
+                continue;
+            }
+            transmittance.push((shadowed[0] / lit[0] - probe.transmittance).abs());
+            radiance
+                .extend((0..3).map(|c| (shadowed[c] - expected[c] * probe.transmittance).abs()));
+        }
+        let compared = transmittance.len();
+        let all = self.truth.probes(model).len();
+        if compared * 2 < all {
+            return Err(format!(
+                "only {compared} of {all} points could be told apart"
+            ));
+        }
+        Ok((error_of(transmittance), error_of(radiance)))
+    }
+}
+
+/// Of absolute differences, at least one.
+fn error_of(mut differences: Vec<f64>) -> Error {
+    differences.sort_unstable_by(f64::total_cmp);
+    let count = differences.len();
+    Error {
+        rmse: (differences.iter().map(|d| d * d).sum::<f64>() / count as f64).sqrt(),
+        p99: differences[(count * 99).div_ceil(100) - 1],
+        max: differences[count - 1],
+        flip: None,
+    }
+}
+
+fn light(shadow: Shadow) -> Light {
+    let kind = LightKind::Directional {
+        direction: LIGHT_DIRECTION,
+        irradiance: Vec3::splat(IRRADIANCE as f32),
+    };
+    Light {
+        kind,
+        shadow: Some(shadow),
+    }
+}
+
+fn frame<'a>(
+    hairs: &'a [&'a Hair],
+    lights: &'a [Light],
+    truth: &Truth,
+    transparency: Transparency,
+) -> Frame<'a> {
+    Frame {
+        hairs,
+        lights,
+        ambient: Vec3::ZERO,
+        view: truth.framing.view,
+        transparency: Some(transparency),
+    }
+}
+
+fn sentence(error: pelage::Error) -> String {
+    error.to_string()
+}

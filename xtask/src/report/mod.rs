@@ -1,0 +1,128 @@
+//! `cargo xtask report`: scene × technique × settings → error against the double-precision reference, time and memory.
+//!
+//! Writes `docs/report/report.json`, a list of rows, and from it tables (`docs/report/README.md`) and plots (SVG). Rows
+//! that are already there are kept, so that a run that was stopped goes on where it was.
+
+mod flip;
+mod ladder;
+mod measure;
+mod plots;
+mod row;
+mod tables;
+mod truth;
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::{Result, root};
+use ladder::{Case, SCENES};
+use row::Row;
+
+/// What is measured.
+#[derive(Debug, Clone, Args)]
+pub struct Options {
+    /// The small scene only.
+    #[arg(long)]
+    quick: bool,
+    /// One group only.
+    #[arg(long)]
+    group: Option<Group>,
+    /// One scene only, by its name in the tables.
+    #[arg(long, value_name = "NAME")]
+    scene: Option<String>,
+    /// Measure again what is already in report.json.
+    #[arg(long)]
+    force: bool,
+}
+
+/// A kind of technique.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Group {
+    /// Shading models.
+    Shading,
+    /// Shadow techniques.
+    Shadow,
+    /// Transparency techniques.
+    Transparency,
+}
+
+impl Group {
+    /// Its name in rows.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Shading => "shading",
+            Self::Shadow => "shadow",
+            Self::Transparency => "transparency",
+        }
+    }
+}
+
+/// Measures what is missing, and writes everything.
+pub fn run(options: &Options) -> Result<()> {
+    let folder = root().join("docs/report");
+    std::fs::create_dir_all(&folder)
+        .map_err(|error| format!("{} cannot be made: {error}", folder.display()))?;
+    let path = folder.join("report.json");
+    let mut rows = row::load(&path)?;
+    for scene in scenes(options)? {
+        let cases: Vec<Case> = ladder::cases(options.quick)
+            .into_iter()
+            .filter(|case| options.group.is_none_or(|g| g == case.group))
+            .collect();
+        let missing =
+            |case: &&Case| options.force || !rows.iter().any(|row| row.is_of(case, scene));
+        let missing: Vec<Case> = cases.iter().filter(missing).cloned().collect();
+        println!(
+            "{}: {} rows, {} to measure",
+            scene.name,
+            cases.len(),
+            missing.len()
+        );
+        if missing.is_empty() {
+            continue;
+        }
+        let progress = ProgressBar::new(missing.len() as u64).with_style(
+            ProgressStyle::with_template("{bar:30} {pos}/{len} {msg} [{elapsed}]")
+                .map_err(|error| error.to_string())?,
+        );
+        let truth = truth::Truth::new(scene)?;
+        for case in &missing {
+            progress.set_message(case.to_string());
+            match measure::measure(scene, &truth, case) {
+                Ok(row) => {
+                    progress.suspend(|| println!("{row}"));
+                    rows.retain(|old| !old.is_of(case, scene));
+                    rows.push(row);
+                    row::save(&path, &rows)?;
+                }
+                Err(error) => progress
+                    .suspend(|| eprintln!("xtask: {case} on {} is left out: {error}", scene.name)),
+            }
+            progress.inc(1);
+        }
+        progress.finish_and_clear();
+    }
+    row::save(&path, &rows)?;
+    tables::write(&folder, &rows)?;
+    plots::write(&folder, &rows)
+}
+
+/// The scenes that the options ask for.
+fn scenes(options: &Options) -> Result<Vec<&'static ladder::Scene>> {
+    let scenes: Vec<_> = match &options.scene {
+        Some(name) => SCENES.iter().filter(|scene| scene.name == name).collect(),
+        None => SCENES
+            .iter()
+            .filter(|scene| scene.quick || !options.quick)
+            .collect(),
+    };
+    if scenes.is_empty() {
+        let known: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
+        let name = options.scene.as_deref().unwrap_or_default();
+        return Err(format!(
+            "--scene {name} is unknown; there are {}",
+            known.join(", ")
+        ));
+    }
+    Ok(scenes)
+}

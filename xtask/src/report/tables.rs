@@ -1,0 +1,127 @@
+//! The rows as markdown tables.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::row::{Error, Row};
+use crate::Result;
+
+const HEADING: &str = "# Error, time and memory
+
+Made by `cargo xtask report` from `report.json`; do not edit. Errors are against the double-precision reference, as parts
+of white.
+
+- **Transparency**: the picture against the exact sorted composite, over pixels that hair covers, without shadows; time of
+  the whole frame.
+- **Shadow**: transmittance at the strand points next to the nearest fragments of at most 6,000 pixels, against 64 rays
+  over a disc of half a pixel's size; time of the light's passes, each submitted alone. \"Picture\" is the error of the shaded
+  nearest fragments.
+- **Shading**: the nearest fragments' picture against the reference's, without shadows; time of the whole frame.
+- ꟻLIP is the mean over the whole picture, on mid-grey. Memory is all of the library's on the device: geometry too.
+- `pool_part` 0.1 is a fragment pool a tenth of what all fragments need: the rest is merged.
+
+";
+
+/// Writes `README.md`.
+pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
+    let mut tables: BTreeMap<(&str, &str), Vec<&Row>> = BTreeMap::new();
+    for row in rows {
+        tables
+            .entry((&row.scene, &row.group))
+            .or_default()
+            .push(row);
+    }
+    let mut text = HEADING.to_owned();
+    for ((scene, group), rows) in tables {
+        let row = rows[0];
+        let Row {
+            width,
+            height,
+            adapter,
+            driver,
+            date,
+            ..
+        } = row;
+        // Writing to a string does not fail.
+        writeln!(
+            text,
+            "## {scene}, {width}×{height}: {group}\n\n{adapter}, {driver}, {date}.\n"
+        )
+        .ok();
+        text += &table(&rows, group == "shadow");
+        writeln!(
+            text,
+            "\n![Error against time](error_time_{scene}_{group}.svg)"
+        )
+        .ok();
+        writeln!(
+            text,
+            "![Error against memory](error_memory_{scene}_{group}.svg)\n"
+        )
+        .ok();
+    }
+    let path = folder.join("README.md");
+    std::fs::write(&path, text)
+        .map_err(|error| format!("{} cannot be written: {error}", path.display()))
+}
+
+fn table(rows: &[&Row], is_shadow: bool) -> String {
+    let last = if is_shadow { "picture RMSE" } else { "ꟻLIP" };
+    let mut text = format!(
+        "| technique | settings | RMSE | p99 | max | {last} | ms, median (min) | MB | merged |\n|---|---|---|---|---|---|---|---|---|\n"
+    );
+    for row in rows {
+        let Error {
+            rmse,
+            p99,
+            max,
+            flip,
+        } = row.error;
+        let last = if is_shadow {
+            row.image_error.map(|error| error.rmse)
+        } else {
+            flip
+        };
+        let last = last.map_or("–".into(), |value| format!("{value:.5}"));
+        let merged = row.fragments.map_or("–".into(), |f| match f.merged {
+            0 => "0".into(),
+            merged => format!("{:.0} %", 100.0 * merged as f64 / f.produced as f64),
+        });
+        writeln!(
+            text,
+            "| `{}` | {} | {rmse:.5} | {p99:.5} | {max:.4} | {last} | {:.1} ({:.1}) | {:.1} | {merged} |",
+            row.technique,
+            settings(&row.settings),
+            row.ms.median,
+            row.ms.min,
+            row.bytes as f64 / 1e6,
+        )
+        .ok();
+    }
+    text
+}
+
+/// `key value, key value`.
+pub fn settings(settings: &Value) -> String {
+    let Some(map) = settings.as_object() else {
+        return String::new();
+    };
+    let one = |(key, value): (&String, &Value)| match value {
+        Value::String(text) => format!("{key} {text}"),
+        Value::Number(number) => format!(
+            "{key} {}",
+            number.as_f64().map_or_else(
+                || number.to_string(),
+                |n| format!("{n:.4}")
+                    .trim_end_matches('0')
+                    .trim_end_matches('.')
+                    .to_owned()
+            )
+        ),
+        other => format!("{key} {other}"),
+    };
+    map.iter().map(one).collect::<Vec<_>>().join(", ")
+}

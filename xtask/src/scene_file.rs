@@ -1,0 +1,11 @@
+//! The scene file's reader, the `render` example's own, so that the report and the pictures mean the same by a setting.
+
+// The report needs a part of each.
+#![allow(dead_code)]
+
+#[path = "../../examples/render/framing.rs"]
+pub mod framing;
+#[path = "../../examples/render/scene.rs"]
+pub mod scene;
+#[path = "../../examples/render/techniques.rs"]
+pub mod techniques;
