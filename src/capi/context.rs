@@ -27,7 +27,13 @@ pub struct PelageContextDescriptor {
 
 impl Default for PelageContextDescriptor {
     fn default() -> Self {
-        Self { struct_size: size_of::<Self>() as u32, force_software: 0, validation: 0, reserved: 0, byte_budget: 0 }
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            force_software: 0,
+            validation: 0,
+            reserved: 0,
+            byte_budget: 0,
+        }
     }
 }
 
@@ -53,7 +59,12 @@ pub struct PelageAdapter {
 impl Default for PelageAdapter {
     fn default() -> Self {
         let empty = [0; PELAGE_NAME_SIZE];
-        Self { struct_size: size_of::<Self>() as u32, software: 0, name: empty, driver: empty }
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            software: 0,
+            name: empty,
+            driver: empty,
+        }
     }
 }
 
@@ -72,14 +83,21 @@ pub unsafe extern "C" fn pelage_context_create(
 ) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
-        let (given, context) = unsafe { (descriptor::read("descriptor", descriptor)?, output("context", context)?) };
+        let (given, context) = unsafe {
+            (
+                descriptor::read("descriptor", descriptor)?,
+                output("context", context)?,
+            )
+        };
         let options = OffscreenOptions {
             force_software: flag("force_software", given.force_software)?,
             validation: flag("validation", given.validation)?,
         };
         reserved("PelageContextDescriptor", given.reserved)?;
         let mut offscreen = Offscreen::new(&options)?;
-        offscreen.renderer.set_byte_budget((given.byte_budget > 0).then_some(given.byte_budget));
+        offscreen
+            .renderer
+            .set_byte_budget((given.byte_budget > 0).then_some(given.byte_budget));
         context.write(PelageContext::register(offscreen));
         Ok(())
     })
@@ -94,14 +112,20 @@ pub extern "C" fn pelage_context_destroy(context: PelageContext) -> PelageResult
 
 /// Says what a context runs on.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_context_adapter(context: PelageContext, adapter: *mut PelageAdapter) -> PelageResult {
+pub unsafe extern "C" fn pelage_context_adapter(
+    context: PelageContext,
+    adapter: *mut PelageAdapter,
+) -> PelageResult {
     guard(|| {
         let mut value = PelageAdapter::default();
         context.with(|state| {
             let info = state.offscreen.adapter_info();
             value.software = u32::from(info.device_type == wgpu::DeviceType::Cpu);
             copy_text(&info.name, &mut value.name);
-            copy_text(&format!("{} {}", info.driver, info.driver_info), &mut value.driver);
+            copy_text(
+                &format!("{} {}", info.driver, info.driver_info),
+                &mut value.driver,
+            );
             Ok(())
         })?;
         // SAFETY: the rule of the module `capi`.
@@ -111,10 +135,16 @@ pub unsafe extern "C" fn pelage_context_adapter(context: PelageContext, adapter:
 
 /// Limits the GPU memory that a context takes beside its targets to `bytes`; 0 lifts the limit. What it holds is kept.
 #[unsafe(no_mangle)]
-pub extern "C" fn pelage_context_set_byte_budget(context: PelageContext, bytes: u64) -> PelageResult {
+pub extern "C" fn pelage_context_set_byte_budget(
+    context: PelageContext,
+    bytes: u64,
+) -> PelageResult {
     guard(|| {
         context.with(|state| {
-            state.offscreen.renderer.set_byte_budget((bytes > 0).then_some(bytes));
+            state
+                .offscreen
+                .renderer
+                .set_byte_budget((bytes > 0).then_some(bytes));
             Ok(())
         })
     })

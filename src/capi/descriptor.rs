@@ -45,8 +45,16 @@ fn check_size<T: Descriptor>(name: &str, stated: u32) -> Result<usize> {
     if T::SIZES.contains(&size) {
         return Ok(size);
     }
-    let known = T::SIZES.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-    invalid!("{name}: struct_size {stated} is not that of {} ({known}); begin with {}", T::NAME, T::INIT)
+    let known = T::SIZES
+        .iter()
+        .map(usize::to_string)
+        .collect::<Vec<_>>()
+        .join(", ");
+    invalid!(
+        "{name}: struct_size {stated} is not that of {} ({known}); begin with {}",
+        T::NAME,
+        T::INIT
+    )
 }
 
 /// Copies what a program has given, `name` being what an error calls it; fields that its version lacks have their default.
@@ -59,12 +67,17 @@ pub(super) unsafe fn read<T: Descriptor>(name: &str, pointer: *const T) -> Resul
     let size = check_size::<T>(name, stated)?;
     let mut value = T::default();
     // SAFETY: `size` is at most that of `T` and ends at a field's end; the host has that many bytes, as it states.
-    unsafe { std::ptr::copy_nonoverlapping(pointer.cast::<u8>(), (&raw mut value).cast::<u8>(), size) };
+    unsafe {
+        std::ptr::copy_nonoverlapping(pointer.cast::<u8>(), (&raw mut value).cast::<u8>(), size)
+    };
     Ok(value)
 }
 
 /// As [`read`] where the pointer may be NULL.
-pub(super) unsafe fn read_optional<T: Descriptor>(name: &str, pointer: *const T) -> Result<Option<T>> {
+pub(super) unsafe fn read_optional<T: Descriptor>(
+    name: &str,
+    pointer: *const T,
+) -> Result<Option<T>> {
     if pointer.is_null() {
         return Ok(None);
     }
@@ -73,7 +86,12 @@ pub(super) unsafe fn read_optional<T: Descriptor>(name: &str, pointer: *const T)
 }
 
 /// Copies an array of descriptors, all of one version: `most` at most.
-pub(super) unsafe fn read_array<T: Descriptor>(name: &str, pointer: *const T, count: u32, most: usize) -> Result<Vec<T>> {
+pub(super) unsafe fn read_array<T: Descriptor>(
+    name: &str,
+    pointer: *const T,
+    count: u32,
+    most: usize,
+) -> Result<Vec<T>> {
     if count == 0 {
         return Ok(Vec::new());
     }
@@ -84,7 +102,9 @@ pub(super) unsafe fn read_array<T: Descriptor>(name: &str, pointer: *const T, co
         return invalid!("{name} is NULL, but {count} are announced");
     }
     // SAFETY: the host points to at least one descriptor, which begins with its size.
-    let stride = check_size::<T>(&format!("{name}[0]"), unsafe { pointer.cast::<u32>().read_unaligned() })?;
+    let stride = check_size::<T>(&format!("{name}[0]"), unsafe {
+        pointer.cast::<u32>().read_unaligned()
+    })?;
     let element = |at: usize| {
         // SAFETY: the host's array has `count` elements of `stride` bytes, and `at` is below `count`.
         let element = unsafe { pointer.cast::<u8>().add(at * stride) };
@@ -92,7 +112,9 @@ pub(super) unsafe fn read_array<T: Descriptor>(name: &str, pointer: *const T, co
         // SAFETY: the element begins with its size.
         let stated = unsafe { element.cast::<u32>().read_unaligned() };
         if stated as usize != stride {
-            return invalid!("{name}: struct_size {stated} differs from that of the first, {stride}");
+            return invalid!(
+                "{name}: struct_size {stated} differs from that of the first, {stride}"
+            );
         }
         // SAFETY: as above; the size is one that `T` has.
         unsafe { read(&name, element.cast::<T>()) }
@@ -130,7 +152,11 @@ mod tests {
 
     impl Default for Grown {
         fn default() -> Self {
-            Self { struct_size: size_of::<Self>() as u32, old: 0, appended: 40 }
+            Self {
+                struct_size: size_of::<Self>() as u32,
+                old: 0,
+                appended: 40,
+            }
         }
     }
 
@@ -157,13 +183,20 @@ mod tests {
         let old = [MINIMUM_SIZE as u32, 1, MINIMUM_SIZE as u32, 2];
         // SAFETY: two elements of eight bytes, as stated.
         let read: Vec<Grown> = unsafe { read_array("grown", old.as_ptr().cast(), 2, 10) }.unwrap();
-        assert_eq!(read.iter().map(|g| (g.old, g.appended)).collect::<Vec<_>>(), [(1, 40), (2, 40)]);
+        assert_eq!(
+            read.iter().map(|g| (g.old, g.appended)).collect::<Vec<_>>(),
+            [(1, 40), (2, 40)]
+        );
     }
 
     #[test]
     fn an_older_programs_struct_is_not_written_beyond_its_end() {
         let mut old = [MINIMUM_SIZE as u32, 1, 77, 78];
-        let value = Grown { old: 5, appended: 6, ..Grown::default() };
+        let value = Grown {
+            old: 5,
+            appended: 6,
+            ..Grown::default()
+        };
         // SAFETY: sixteen bytes, of which eight are stated.
         unsafe { write("grown", old.as_mut_ptr().cast(), &value) }.unwrap();
         assert_eq!(old, [MINIMUM_SIZE as u32, 5, 77, 78]);
@@ -173,7 +206,12 @@ mod tests {
     fn a_size_between_two_versions_is_refused_by_name() {
         let odd = [12u32, 1, 2, 3];
         // SAFETY: sixteen bytes.
-        let error = unsafe { read::<Grown>("grown", odd.as_ptr().cast()) }.unwrap_err().to_string();
-        assert_eq!(error, "grown: struct_size 12 is not that of Grown (8, 16); begin with GROWN_INIT");
+        let error = unsafe { read::<Grown>("grown", odd.as_ptr().cast()) }
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            error,
+            "grown: struct_size 12 is not that of Grown (8, 16); begin with GROWN_INIT"
+        );
     }
 }

@@ -43,7 +43,9 @@ thread_local! {
 /// takes no lock, so that it may be called from the log callback too (where it is still the sentence of an earlier call).
 #[unsafe(no_mangle)]
 pub extern "C" fn pelage_last_error() -> *const c_char {
-    LAST_ERROR.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
+    LAST_ERROR
+        .try_with(|last| last.borrow().as_ptr())
+        .unwrap_or(c"".as_ptr())
 }
 
 /// Runs a call: an error becomes its status and the thread's last error, a panic goes no further, and the log is
@@ -55,9 +57,14 @@ pub(super) fn guard(call: impl FnOnce() -> Result<()>) -> PelageResult {
     let (status, sentence) = match outcome {
         Ok(Ok(())) => return PELAGE_OK,
         Ok(Err(error)) => (status(&error), error.to_string()),
-        Err(panic) => (PELAGE_PANIC, format!("internal error, caught: {}", message(&*panic))),
+        Err(panic) => (
+            PELAGE_PANIC,
+            format!("internal error, caught: {}", message(&*panic)),
+        ),
     };
-    LAST_ERROR.try_with(|last| *last.borrow_mut() = c_string(&sentence)).ok();
+    LAST_ERROR
+        .try_with(|last| *last.borrow_mut() = c_string(&sentence))
+        .ok();
     status
 }
 
@@ -77,7 +84,8 @@ fn status(error: &Error) -> PelageResult {
 /// What a panic says.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<&str>().copied();
-    text.or(panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("a panic without words")
+    text.or(panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("a panic without words")
 }
 
 /// Text for C: a NUL inside would end it early.
@@ -91,7 +99,9 @@ mod tests {
 
     fn last() -> String {
         // SAFETY: the sentence is valid until the next failing call on this thread.
-        unsafe { std::ffi::CStr::from_ptr(pelage_last_error()) }.to_string_lossy().into_owned()
+        unsafe { std::ffi::CStr::from_ptr(pelage_last_error()) }
+            .to_string_lossy()
+            .into_owned()
     }
 
     #[test]
@@ -102,7 +112,10 @@ mod tests {
 
     #[test]
     fn success_keeps_the_last_error() {
-        assert_eq!(guard(|| Err(Error::Conflict("a\0b".into()))), PELAGE_CONFLICT);
+        assert_eq!(
+            guard(|| Err(Error::Conflict("a\0b".into()))),
+            PELAGE_CONFLICT
+        );
         assert_eq!(guard(|| Ok(())), PELAGE_OK);
         assert_eq!(last(), "a\u{fffd}b");
     }

@@ -50,7 +50,12 @@ pub struct PelageView {
 impl Default for PelageView {
     fn default() -> Self {
         let identity = DMat4::IDENTITY.to_cols_array();
-        Self { struct_size: size_of::<Self>() as u32, flags: 0, view_from_world: identity, clip_from_view: identity }
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            flags: 0,
+            view_from_world: identity,
+            clip_from_view: identity,
+        }
     }
 }
 
@@ -150,9 +155,22 @@ pub unsafe extern "C" fn pelage_view_perspective(
 ) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
-        let [eye, target, up] =
-            unsafe { [array("eye", eye)?, array("target", target)?, array("up", up)?] }.map(DVec3::from_array);
-        let made = View::perspective(eye, target, up, vertical_fov, aspect, [near_plane, far_plane])?;
+        let [eye, target, up] = unsafe {
+            [
+                array("eye", eye)?,
+                array("target", target)?,
+                array("up", up)?,
+            ]
+        }
+        .map(DVec3::from_array);
+        let made = View::perspective(
+            eye,
+            target,
+            up,
+            vertical_fov,
+            aspect,
+            [near_plane, far_plane],
+        )?;
         let value = PelageView {
             view_from_world: made.view_from_world.to_cols_array(),
             clip_from_view: made.clip_from_view.to_cols_array(),
@@ -180,12 +198,23 @@ impl<'a> GivenFrame<'a> {
         // SAFETY: the rule of the module `capi`.
         let given = unsafe { descriptor::read("frame", pointer) }?;
         // SAFETY: the rule of the module `capi`.
-        let lights = unsafe { descriptor::read_array("lights", given.lights, given.light_count, MAX_LIGHTS) }?;
+        let lights = unsafe {
+            descriptor::read_array("lights", given.lights, given.light_count, MAX_LIGHTS)
+        }?;
         // SAFETY: the rule of the module `capi`.
         unsafe {
             Ok(Self {
-                hairs: slice("hairs", given.hairs, u64::from(given.hair_count), Self::MOST_HAIRS)?,
-                lights: lights.iter().enumerate().map(|(at, given)| light(at, given)).collect::<Result<_>>()?,
+                hairs: slice(
+                    "hairs",
+                    given.hairs,
+                    u64::from(given.hair_count),
+                    Self::MOST_HAIRS,
+                )?,
+                lights: lights
+                    .iter()
+                    .enumerate()
+                    .map(|(at, given)| light(at, given))
+                    .collect::<Result<_>>()?,
                 ambient: given.ambient,
                 view: view(given.view)?,
                 transparency: settings::transparency("transparency", given.transparency)?,
@@ -198,7 +227,9 @@ impl<'a> GivenFrame<'a> {
         let mut seen = std::collections::BTreeSet::new();
         let find = |(at, handle): (usize, &PelageHair)| {
             let hair = handle.among(own).map_err(|error| match error {
-                crate::Error::InvalidHandle(what) => crate::Error::InvalidHandle(format!("hairs[{at}]: {what}")),
+                crate::Error::InvalidHandle(what) => {
+                    crate::Error::InvalidHandle(format!("hairs[{at}]: {what}"))
+                }
                 other => other,
             })?;
             if !seen.insert(handle.id) {
@@ -236,8 +267,14 @@ unsafe fn light(number: usize, given: &PelageLight) -> Result<Light> {
     reserved("PelageLight", given.reserved)?;
     let power = given.power.into();
     let kind = match given.kind {
-        PELAGE_LIGHT_DIRECTIONAL => LightKind::Directional { direction: given.direction.into(), irradiance: power },
-        PELAGE_LIGHT_POINT => LightKind::Point { position: given.position.into(), intensity: power },
+        PELAGE_LIGHT_DIRECTIONAL => LightKind::Directional {
+            direction: given.direction.into(),
+            irradiance: power,
+        },
+        PELAGE_LIGHT_POINT => LightKind::Point {
+            position: given.position.into(),
+            intensity: power,
+        },
         unknown => return invalid!("light {number}: kind {unknown} is not one of PELAGE_LIGHT_…"),
     };
     // SAFETY: the rule of the module `capi`.

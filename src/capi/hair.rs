@@ -10,7 +10,8 @@ use super::input::{array, check_bytes, fill, output, outputs, slice};
 use super::registry::{Kind, PelageContext, PelageHair};
 use super::settings::{self, PelageShading, PelageShadow, PelageTransparency};
 use super::strands::{
-    PelageClumpSettings, PelageInterpolationSettings, PelageStrands, check_radius, clumped, curve, interpolated, read_strands,
+    PelageClumpSettings, PelageInterpolationSettings, PelageStrands, check_radius, clumped, curve,
+    interpolated, read_strands,
 };
 use crate::error::{Result, invalid};
 use crate::groom::{BuiltinGroom, MAX_POINTS, Strands, builtin, formats};
@@ -105,8 +106,11 @@ unsafe fn create(
         // SAFETY: the rule of the module `capi`.
         let hair = unsafe { output("hair", hair) }?;
         let strands = strands()?;
-        let upload = |state: &mut super::registry::State| state.offscreen.renderer.create_hair(&strands);
-        hair.write(PelageHair { id: context.make(Kind::Hair, |state| &mut state.hairs, upload)? });
+        let upload =
+            |state: &mut super::registry::State| state.offscreen.renderer.create_hair(&strands);
+        hair.write(PelageHair {
+            id: context.make(Kind::Hair, |state| &mut state.hairs, upload)?,
+        });
         Ok(())
     })
 }
@@ -175,7 +179,14 @@ unsafe fn read_file(file: *const PelageFile) -> Result<Strands> {
     check_radius("tip_radius", given.tip_radius)?;
     let curve = curve(given.curve)?;
     // SAFETY: the rule of the module `capi`.
-    let bytes = unsafe { slice("bytes", given.bytes.cast::<u8>(), given.size, isize::MAX as usize) }?;
+    let bytes = unsafe {
+        slice(
+            "bytes",
+            given.bytes.cast::<u8>(),
+            given.size,
+            isize::MAX as usize,
+        )
+    }?;
     let strands = formats::read(bytes)?.with_curve(curve);
     if given.root_radius == 0.0 && given.tip_radius == 0.0 {
         return Ok(strands);
@@ -215,7 +226,10 @@ pub extern "C" fn pelage_hair_destroy(hair: PelageHair) -> PelageResult {
 
 /// Says what a hair is made of.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_hair_info(hair: PelageHair, info: *mut PelageHairInfo) -> PelageResult {
+pub unsafe extern "C" fn pelage_hair_info(
+    hair: PelageHair,
+    info: *mut PelageHairInfo,
+) -> PelageResult {
     guard(|| {
         let value = hair.with(|hair, _| {
             let strands = hair.strands();
@@ -237,7 +251,11 @@ pub unsafe extern "C" fn pelage_hair_info(hair: PelageHair, info: *mut PelageHai
 /// Copies a hair's positions, as they were given last, into `positions`: three floats a point, `size` bytes in all, which
 /// must be 12 times the number of points.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_hair_points(hair: PelageHair, positions: *mut f32, size: u64) -> PelageResult {
+pub unsafe extern "C" fn pelage_hair_points(
+    hair: PelageHair,
+    positions: *mut f32,
+    size: u64,
+) -> PelageResult {
     guard(|| {
         hair.with(|hair, _| {
             let points = hair.strands().points();
@@ -262,23 +280,40 @@ pub unsafe extern "C" fn pelage_hair_update_points(
 ) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
-        let points = unsafe { slice("positions", positions.cast::<[f32; 3]>(), point_count, MAX_POINTS) }?;
+        let points = unsafe {
+            slice(
+                "positions",
+                positions.cast::<[f32; 3]>(),
+                point_count,
+                MAX_POINTS,
+            )
+        }?;
         hair.with(|hair, offscreen| offscreen.renderer.update_points(hair, points))
     })
 }
 
 /// Places a hair: `world_from_object`, 16 doubles, column-major, an affine transform that can be inverted.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_hair_set_transform(hair: PelageHair, world_from_object: *const f64) -> PelageResult {
+pub unsafe extern "C" fn pelage_hair_set_transform(
+    hair: PelageHair,
+    world_from_object: *const f64,
+) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
-        let matrix = DMat4::from_cols_array(&unsafe { array("world_from_object", world_from_object) }?);
+        let matrix =
+            DMat4::from_cols_array(&unsafe { array("world_from_object", world_from_object) }?);
         let determinant = matrix.determinant();
         if !matrix.is_finite() || determinant == 0.0 || !determinant.is_finite() {
-            return invalid!("world_from_object {:?} cannot be inverted", matrix.to_cols_array());
+            return invalid!(
+                "world_from_object {:?} cannot be inverted",
+                matrix.to_cols_array()
+            );
         }
         if matrix.row(3) != glam::DVec4::W {
-            return invalid!("world_from_object's last row {} is not that of an affine transform, (0, 0, 0, 1)", matrix.row(3));
+            return invalid!(
+                "world_from_object's last row {} is not that of an affine transform, (0, 0, 0, 1)",
+                matrix.row(3)
+            );
         }
         hair.with(|hair, _| {
             hair.world_from_object = matrix;
@@ -303,7 +338,10 @@ pub extern "C" fn pelage_hair_set_opacity(hair: PelageHair, opacity: f32) -> Pel
 
 /// Sets a hair's shading model.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_hair_set_shading(hair: PelageHair, shading: *const PelageShading) -> PelageResult {
+pub unsafe extern "C" fn pelage_hair_set_shading(
+    hair: PelageHair,
+    shading: *const PelageShading,
+) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
         let shading = unsafe { settings::shading("shading", shading) }?;
@@ -317,7 +355,10 @@ pub unsafe extern "C" fn pelage_hair_set_shading(hair: PelageHair, shading: *con
 /// Sets the shadow technique that a hair wishes for lights that name none; NULL: no wish. Where no hair has one, lights
 /// are shadowed as `PELAGE_SHADOW_INIT` says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_hair_set_shadow(hair: PelageHair, shadow: *const PelageShadow) -> PelageResult {
+pub unsafe extern "C" fn pelage_hair_set_shadow(
+    hair: PelageHair,
+    shadow: *const PelageShadow,
+) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
         let shadow = unsafe { settings::shadow("shadow", shadow) }?;

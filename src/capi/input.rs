@@ -7,7 +7,12 @@ use bytemuck::AnyBitPattern;
 use crate::error::{Result, invalid};
 
 /// A host's array of `count` elements, of which `most` are taken at most. NULL is no array if the count is 0.
-pub(super) unsafe fn slice<'a, T: AnyBitPattern>(name: &str, pointer: *const T, count: u64, most: usize) -> Result<&'a [T]> {
+pub(super) unsafe fn slice<'a, T: AnyBitPattern>(
+    name: &str,
+    pointer: *const T,
+    count: u64,
+    most: usize,
+) -> Result<&'a [T]> {
     if count == 0 {
         return Ok(&[]);
     }
@@ -33,7 +38,10 @@ pub(super) unsafe fn optional_slice<'a, T: AnyBitPattern>(
 }
 
 /// `N` numbers.
-pub(super) unsafe fn array<T: AnyBitPattern, const N: usize>(name: &str, pointer: *const T) -> Result<[T; N]> {
+pub(super) unsafe fn array<T: AnyBitPattern, const N: usize>(
+    name: &str,
+    pointer: *const T,
+) -> Result<[T; N]> {
     // SAFETY: the host's promise is passed on.
     let values = unsafe { slice(name, pointer, N as u64, N) }?;
     Ok(std::array::from_fn(|at| values[at]))
@@ -56,7 +64,11 @@ pub(super) unsafe fn output<'a, T>(name: &str, pointer: *mut T) -> Result<&'a mu
 }
 
 /// Where `count` results go; NULL for none of them.
-pub(super) unsafe fn outputs<'a, T>(name: &str, pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>]> {
+pub(super) unsafe fn outputs<'a, T>(
+    name: &str,
+    pointer: *mut T,
+    count: usize,
+) -> Result<&'a mut [MaybeUninit<T>]> {
     if count == 0 {
         return Ok(&mut []);
     }
@@ -70,7 +82,9 @@ pub(super) unsafe fn outputs<'a, T>(name: &str, pointer: *mut T, count: usize) -
 
 /// Fills what [`outputs`] gave.
 pub(super) fn fill<T>(out: &mut [MaybeUninit<T>], values: impl IntoIterator<Item = T>) {
-    out.iter_mut().zip(values).for_each(|(to, value)| *to = MaybeUninit::new(value));
+    out.iter_mut()
+        .zip(values)
+        .for_each(|(to, value)| *to = MaybeUninit::new(value));
 }
 
 /// Checks that a pointer points somewhere, and is aligned.
@@ -79,7 +93,10 @@ fn check<T>(name: &str, pointer: *const T) -> Result<()> {
         return invalid!("{name} is NULL");
     }
     if !pointer.is_aligned() {
-        return invalid!("{name} is {pointer:p}, which is no multiple of {}", align_of::<T>());
+        return invalid!(
+            "{name} is {pointer:p}, which is no multiple of {}",
+            align_of::<T>()
+        );
     }
     Ok(())
 }

@@ -27,7 +27,8 @@ pub const PELAGE_LOG_TRACE: u32 = 5;
 /// Called on any thread: mostly at the end of the `pelage_…` call that caused the message, when the library holds no lock,
 /// so that it may call any function of the library but `pelage_set_log_callback`. What the library logs meanwhile on the
 /// same thread is dropped. It must return: no exception, no longjmp.
-pub type PelageLogCallback = Option<unsafe extern "C" fn(level: u32, message: *const c_char, user: *mut c_void)>;
+pub type PelageLogCallback =
+    Option<unsafe extern "C" fn(level: u32, message: *const c_char, user: *mut c_void)>;
 
 /// Sets the callback that receives the log of the whole process up to `level` (`PELAGE_LOG_…`); NULL, the default, for
 /// none. There is one: a new one replaces it.
@@ -84,12 +85,20 @@ fn set(level: u32, callback: Option<Callback>) -> Result<()> {
         return invalid!("the log callback cannot be set from within the log callback");
     }
     if callback.is_some() && !INSTALLED.get_or_init(|| log::set_logger(&Logger).is_ok()) {
-        return Err(Error::Unsupported("this process has another logger; take pelage's messages from that".into()));
+        return Err(Error::Unsupported(
+            "this process has another logger; take pelage's messages from that".into(),
+        ));
     }
-    let mut current = CALLBACK.write().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let mut current = CALLBACK
+        .write()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
     *current = callback;
     if INSTALLED.get() == Some(&true) {
-        log::set_max_level(if current.is_some() { filter } else { LevelFilter::Off });
+        log::set_max_level(if current.is_some() {
+            filter
+        } else {
+            LevelFilter::Off
+        });
     }
     Ok(())
 }
@@ -112,7 +121,9 @@ impl Log for Logger {
         };
         let (level, message) = (record.level() as u32, c_string(&text));
         if CALLS.try_with(Cell::get).unwrap_or(0) > 0 {
-            WAITING.try_with(|waiting| waiting.borrow_mut().push((level, message))).ok();
+            WAITING
+                .try_with(|waiting| waiting.borrow_mut().push((level, message)))
+                .ok();
         } else {
             deliver(level, &message);
         }
@@ -123,7 +134,9 @@ impl Log for Logger {
 
 /// Calls the callback, if there is one.
 fn deliver(level: u32, message: &CStr) {
-    let current = CALLBACK.read().unwrap_or_else(|poisoned| poisoned.into_inner());
+    let current = CALLBACK
+        .read()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
     if let Some(callback) = *current {
         DELIVERING.set(true);
         // SAFETY: the lock keeps the callback set, which the host promises to be callable with its pointer until then.
@@ -146,7 +159,9 @@ impl Drop for Held {
         CALLS.set(CALLS.get() - 1);
         if CALLS.get() == 0 && !DELIVERING.get() {
             let waiting = WAITING.with(|waiting| std::mem::take(&mut *waiting.borrow_mut()));
-            waiting.iter().for_each(|(level, message)| deliver(*level, message));
+            waiting
+                .iter()
+                .for_each(|(level, message)| deliver(*level, message));
         }
     }
 }

@@ -47,7 +47,10 @@ unsafe fn begin(
 ///
 /// Errors: `PELAGE_DEVICE_LOST`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_readback_poll(readback: PelageReadback, arrived: *mut u32) -> PelageResult {
+pub unsafe extern "C" fn pelage_readback_poll(
+    readback: PelageReadback,
+    arrived: *mut u32,
+) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
         let arrived = unsafe { output("arrived", arrived) }?;
@@ -62,7 +65,11 @@ pub unsafe extern "C" fn pelage_readback_poll(readback: PelageReadback, arrived:
 ///
 /// Errors: another size; `PELAGE_DEVICE_LOST`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_readback_copy(readback: PelageReadback, values: *mut f32, size: u64) -> PelageResult {
+pub unsafe extern "C" fn pelage_readback_copy(
+    readback: PelageReadback,
+    values: *mut f32,
+    size: u64,
+) -> PelageResult {
     guard(|| {
         readback.with(|readback, offscreen| {
             let (width, height) = readback.size();

@@ -72,7 +72,9 @@ impl Kind {
 
     fn of(id: u64) -> Option<Self> {
         let bits = id & ((1 << KIND_BITS) - 1);
-        [Self::Context, Self::Hair, Self::Target, Self::Readback].into_iter().find(|kind| *kind as u64 == bits)
+        [Self::Context, Self::Hair, Self::Target, Self::Readback]
+            .into_iter()
+            .find(|kind| *kind as u64 == bits)
     }
 }
 
@@ -94,10 +96,15 @@ struct Table {
     entries: BTreeMap<u64, Shared>,
 }
 
-static TABLE: Mutex<Table> = Mutex::new(Table { next: 1, entries: BTreeMap::new() });
+static TABLE: Mutex<Table> = Mutex::new(Table {
+    next: 1,
+    entries: BTreeMap::new(),
+});
 
 fn table() -> MutexGuard<'static, Table> {
-    TABLE.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    TABLE
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
 /// Gives out an id.
@@ -119,9 +126,10 @@ fn find(id: u64, kind: Kind) -> Result<Shared> {
     let table = table();
     match (table.entries.get(&id), Kind::of(id)) {
         (Some(shared), Some(found)) if found == kind => Ok(shared.clone()),
-        (_, Some(found)) if found != kind && id >> KIND_BITS < table.next => {
-            error(format!("{name} handle {id:#x} is that of a {}", found.name()))
-        }
+        (_, Some(found)) if found != kind && id >> KIND_BITS < table.next => error(format!(
+            "{name} handle {id:#x} is that of a {}",
+            found.name()
+        )),
         (None, Some(_)) if id >> KIND_BITS < table.next => error(stale(name, id)),
         _ => error(format!("{name} handle {id:#x} was never given out")),
     }
@@ -132,9 +140,16 @@ fn stale(name: &str, id: u64) -> String {
 }
 
 /// Runs `call` on a context's state, behind its lock.
-fn enter<T>(shared: &Shared, kind: Kind, id: u64, call: impl FnOnce(&mut State) -> Result<T>) -> Result<T> {
+fn enter<T>(
+    shared: &Shared,
+    kind: Kind,
+    id: u64,
+    call: impl FnOnce(&mut State) -> Result<T>,
+) -> Result<T> {
     let Ok(mut locked) = shared.lock() else {
-        return Err(Error::Internal("an earlier call on this context met a fault; destroy the context".into()));
+        return Err(Error::Internal(
+            "an earlier call on this context met a fault; destroy the context".into(),
+        ));
     };
     match &mut *locked {
         Some(state) => call(state),
@@ -169,7 +184,9 @@ impl PelageContext {
             readbacks: BTreeMap::new(),
             passes: Vec::new(),
         };
-        Self { id: register(Kind::Context, &Arc::new(Mutex::new(Some(state)))) }
+        Self {
+            id: register(Kind::Context, &Arc::new(Mutex::new(Some(state)))),
+        }
     }
 
     /// Checks the handle alone.
@@ -183,18 +200,32 @@ impl PelageContext {
     }
 
     /// Makes an object behind the context's lock; its id.
-    pub(super) fn make<T>(self, kind: Kind, objects: Objects<T>, call: impl FnOnce(&mut State) -> Result<T>) -> Result<u64> {
+    pub(super) fn make<T>(
+        self,
+        kind: Kind,
+        objects: Objects<T>,
+        call: impl FnOnce(&mut State) -> Result<T>,
+    ) -> Result<u64> {
         let shared = find(self.id, Kind::Context)?;
-        enter(&shared, Kind::Context, self.id, |state| add(&shared, state, kind, objects, call))
+        enter(&shared, Kind::Context, self.id, |state| {
+            add(&shared, state, kind, objects, call)
+        })
     }
 
     /// Destroys the context and all that was made on it, when the calls under way on it have ended.
     pub(super) fn destroy(self) -> Result<()> {
         let shared = find(self.id, Kind::Context)?;
         // A context that met a fault can be destroyed like any other.
-        let state = shared.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).take();
-        let Some(state) = state else { return Err(Error::InvalidHandle(stale("context", self.id))) };
-        table().entries.retain(|_, owner| !Arc::ptr_eq(owner, &shared));
+        let state = shared
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
+            .take();
+        let Some(state) = state else {
+            return Err(Error::InvalidHandle(stale("context", self.id)));
+        };
+        table()
+            .entries
+            .retain(|_, owner| !Arc::ptr_eq(owner, &shared));
         drop(state);
         Ok(())
     }
@@ -206,7 +237,10 @@ fn among<T>(objects: &BTreeMap<u64, T>, kind: Kind, id: u64) -> Result<&T> {
         return Ok(object);
     }
     find(id, kind)?;
-    Err(Error::InvalidHandle(format!("{} handle {id:#x} belongs to another context", kind.name())))
+    Err(Error::InvalidHandle(format!(
+        "{} handle {id:#x} belongs to another context",
+        kind.name()
+    )))
 }
 
 impl PelageHair {
@@ -223,12 +257,19 @@ impl PelageTarget {
     }
 
     /// Sends an image of this target on its way, by `call`; the readback's id.
-    pub(super) fn make_readback(self, call: impl FnOnce(&Image, &Offscreen) -> Result<Readback>) -> Result<u64> {
+    pub(super) fn make_readback(
+        self,
+        call: impl FnOnce(&Image, &Offscreen) -> Result<Readback>,
+    ) -> Result<u64> {
         let shared = find(self.id, Kind::Target)?;
         enter(&shared, Kind::Target, self.id, |state| {
-            add(&shared, state, Kind::Readback, |state| &mut state.readbacks, |state| {
-                call(self.among(&state.targets)?, &state.offscreen)
-            })
+            add(
+                &shared,
+                state,
+                Kind::Readback,
+                |state| &mut state.readbacks,
+                |state| call(self.among(&state.targets)?, &state.offscreen),
+            )
         })
     }
 }
@@ -242,7 +283,10 @@ macro_rules! object {
                 self,
                 call: impl FnOnce(&mut $object, &mut Offscreen) -> Result<T>,
             ) -> Result<T> {
-                enter(&find(self.id, $kind)?, $kind, self.id, |state| match state.$objects.get_mut(&self.id) {
+                enter(&find(self.id, $kind)?, $kind, self.id, |state| match state
+                    .$objects
+                    .get_mut(&self.id)
+                {
                     Some(object) => call(object, &mut state.offscreen),
                     None => Err(Error::InvalidHandle(stale($kind.name(), self.id))),
                 })
@@ -250,7 +294,10 @@ macro_rules! object {
 
             /// Destroys the object.
             pub(super) fn destroy(self) -> Result<()> {
-                enter(&find(self.id, $kind)?, $kind, self.id, |state| match state.$objects.remove(&self.id) {
+                enter(&find(self.id, $kind)?, $kind, self.id, |state| match state
+                    .$objects
+                    .remove(&self.id)
+                {
                     Some(_) => {
                         table().entries.remove(&self.id);
                         Ok(())
@@ -273,9 +320,16 @@ mod tests {
     /// A panic in a call kills its context alone, which can still be destroyed.
     #[test]
     fn a_context_that_panicked_refuses_calls_and_can_be_destroyed() {
-        let options = crate::host::offscreen::OffscreenOptions { force_software: true, validation: false };
-        let context = PelageContext::register(crate::host::offscreen::Offscreen::new(&options).unwrap());
-        assert_eq!(error::guard(|| context.with(|_| -> crate::Result<()> { panic!("a fault") })), PELAGE_PANIC);
+        let options = crate::host::offscreen::OffscreenOptions {
+            force_software: true,
+            validation: false,
+        };
+        let context =
+            PelageContext::register(crate::host::offscreen::Offscreen::new(&options).unwrap());
+        assert_eq!(
+            error::guard(|| context.with(|_| -> crate::Result<()> { panic!("a fault") })),
+            PELAGE_PANIC
+        );
         assert_eq!(pelage_wait(context), PELAGE_INTERNAL);
         assert_eq!(pelage_context_destroy(context), PELAGE_OK);
         assert_eq!(pelage_context_destroy(context), PELAGE_INVALID_HANDLE);

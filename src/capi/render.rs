@@ -15,7 +15,8 @@ pub const PELAGE_RENDER_WRITE_DEPTH: u32 = 2;
 /// Darken the opaque scene of the target by the hair's shadow.
 pub const PELAGE_RENDER_RECEIVE_SHADOW: u32 = 4;
 
-const ALL_FLAGS: u32 = PELAGE_RENDER_CLEAR | PELAGE_RENDER_WRITE_DEPTH | PELAGE_RENDER_RECEIVE_SHADOW;
+const ALL_FLAGS: u32 =
+    PELAGE_RENDER_CLEAR | PELAGE_RENDER_WRITE_DEPTH | PELAGE_RENDER_RECEIVE_SHADOW;
 
 /// Renders a frame into a target of the same context: the target's depth, if it has one, hides hair. `flags`: any of
 /// `PELAGE_RENDER_…`, or 0. Gives the work to the GPU and does not wait for it; what reads the target afterwards does.
@@ -31,7 +32,9 @@ pub unsafe extern "C" fn pelage_render(
 ) -> PelageResult {
     // SAFETY: the rule of the module `capi`.
     guard(|| unsafe {
-        render(context, frame, target, flags, |offscreen, frame, target| offscreen.submit(frame, target).map(|()| None))
+        render(context, frame, target, flags, |offscreen, frame, target| {
+            offscreen.submit(frame, target).map(|()| None)
+        })
     })
 }
 
@@ -47,7 +50,10 @@ pub unsafe extern "C" fn pelage_render_timed(
     // SAFETY: the rule of the module `capi`.
     guard(|| unsafe {
         render(context, frame, target, flags, |offscreen, frame, target| {
-            offscreen.renderer.render_timed(frame, target).map(|statistics| Some(statistics.passes))
+            offscreen
+                .renderer
+                .render_timed(frame, target)
+                .map(|statistics| Some(statistics.passes))
         })
     })
 }
@@ -63,14 +69,22 @@ unsafe fn render(
     let flags = self::flags("flags", flags, ALL_FLAGS)?;
     // SAFETY: the rule of the module `capi`.
     let given = unsafe { GivenFrame::read(frame) }?;
-    context.with(|State { offscreen, hairs, targets, passes, .. }| {
-        let target = target_of(target.among(targets)?, flags);
-        let hairs = given.hairs(hairs)?;
-        if let Some(times) = call(offscreen, &given.frame(&hairs), &target)? {
-            *passes = times;
-        }
-        Ok(())
-    })
+    context.with(
+        |State {
+             offscreen,
+             hairs,
+             targets,
+             passes,
+             ..
+         }| {
+            let target = target_of(target.among(targets)?, flags);
+            let hairs = given.hairs(hairs)?;
+            if let Some(times) = call(offscreen, &given.frame(&hairs), &target)? {
+                *passes = times;
+            }
+            Ok(())
+        },
+    )
 }
 
 fn target_of(image: &Image, flags: u32) -> Target<'_> {

@@ -51,8 +51,17 @@ pub struct PelageKajiyaKay {
 
 impl Default for PelageKajiyaKay {
     fn default() -> Self {
-        let KajiyaKay { diffuse, specular, exponent } = KajiyaKay::default();
-        Self { struct_size: size_of::<Self>() as u32, diffuse: diffuse.into(), specular: specular.into(), exponent }
+        let KajiyaKay {
+            diffuse,
+            specular,
+            exponent,
+        } = KajiyaKay::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            diffuse: diffuse.into(),
+            specular: specular.into(),
+            exponent,
+        }
     }
 }
 
@@ -72,7 +81,11 @@ pub struct PelageShading {
 
 impl Default for PelageShading {
     fn default() -> Self {
-        Self { struct_size: size_of::<Self>() as u32, model: PELAGE_SHADING_KAJIYA_KAY, kajiya_kay: null() }
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            model: PELAGE_SHADING_KAJIYA_KAY,
+            kajiya_kay: null(),
+        }
     }
 }
 
@@ -99,8 +112,21 @@ pub struct PelageDeepOpacityMap {
 
 impl Default for PelageDeepOpacityMap {
     fn default() -> Self {
-        let DeepOpacityMap { resolution, layers, pcf, depth, .. } = DeepOpacityMap::default();
-        Self { struct_size: size_of::<Self>() as u32, resolution, layers, pcf, depth, raster: PELAGE_RASTER_AUTO }
+        let DeepOpacityMap {
+            resolution,
+            layers,
+            pcf,
+            depth,
+            ..
+        } = DeepOpacityMap::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            resolution,
+            layers,
+            pcf,
+            depth,
+            raster: PELAGE_RASTER_AUTO,
+        }
     }
 }
 
@@ -142,7 +168,10 @@ pub struct PelageOpaque {
 
 impl Default for PelageOpaque {
     fn default() -> Self {
-        Self { struct_size: size_of::<Self>() as u32, raster: PELAGE_RASTER_AUTO }
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            raster: PELAGE_RASTER_AUTO,
+        }
     }
 }
 
@@ -229,7 +258,11 @@ pub(super) unsafe fn shading(name: &str, pointer: *const PelageShading) -> Resul
             // SAFETY: the rule of the module `capi`.
             let model = unsafe { settings("kajiya_kay", given.kajiya_kay) }?;
             let (diffuse, specular) = (model.diffuse.into(), model.specular.into());
-            Shading::KajiyaKay(KajiyaKay { diffuse, specular, exponent: model.exponent })
+            Shading::KajiyaKay(KajiyaKay {
+                diffuse,
+                specular,
+                exponent: model.exponent,
+            })
         }
         unknown => return invalid!("{name}: model {unknown} is not one of PELAGE_SHADING_…"),
     };
@@ -239,7 +272,9 @@ pub(super) unsafe fn shading(name: &str, pointer: *const PelageShading) -> Resul
 /// A validated shadow technique; `None` for NULL.
 pub(super) unsafe fn shadow(name: &str, pointer: *const PelageShadow) -> Result<Option<Shadow>> {
     // SAFETY: the rule of the module `capi`.
-    let Some(given) = unsafe { descriptor::read_optional(name, pointer) }? else { return Ok(None) };
+    let Some(given) = unsafe { descriptor::read_optional(name, pointer) }? else {
+        return Ok(None);
+    };
     let shadow = match given.technique {
         PELAGE_SHADOW_NONE => Shadow::None,
         PELAGE_SHADOW_DEEP_OPACITY_MAP => {
@@ -259,20 +294,29 @@ pub(super) unsafe fn shadow(name: &str, pointer: *const PelageShadow) -> Result<
 }
 
 /// A validated transparency technique; `None` for NULL.
-pub(super) unsafe fn transparency(name: &str, pointer: *const PelageTransparency) -> Result<Option<Transparency>> {
+pub(super) unsafe fn transparency(
+    name: &str,
+    pointer: *const PelageTransparency,
+) -> Result<Option<Transparency>> {
     // SAFETY: the rule of the module `capi`.
-    let Some(given) = unsafe { descriptor::read_optional(name, pointer) }? else { return Ok(None) };
+    let Some(given) = unsafe { descriptor::read_optional(name, pointer) }? else {
+        return Ok(None);
+    };
     let transparency = match given.technique {
         PELAGE_TRANSPARENCY_OPAQUE => {
             // SAFETY: the rule of the module `capi`.
             let opaque = unsafe { settings("opaque", given.opaque) }?;
-            Transparency::Opaque(Opaque { raster: raster(opaque.raster)? })
+            Transparency::Opaque(Opaque {
+                raster: raster(opaque.raster)?,
+            })
         }
         PELAGE_TRANSPARENCY_A_BUFFER => {
             // SAFETY: the rule of the module `capi`.
             Transparency::ABuffer(a_buffer(&unsafe { settings("a_buffer", given.a_buffer) }?)?)
         }
-        unknown => return invalid!("{name}: technique {unknown} is not one of PELAGE_TRANSPARENCY_…"),
+        unknown => {
+            return invalid!("{name}: technique {unknown} is not one of PELAGE_TRANSPARENCY_…");
+        }
     };
     transparency.validate().map(|()| Some(transparency))
 }
@@ -285,5 +329,9 @@ fn a_buffer(given: &PelageABuffer) -> Result<ABuffer> {
         unknown => return invalid!("storage {unknown} is not one of PELAGE_STORAGE_…"),
     };
     let pool_bytes = (given.pool_bytes > 0).then_some(given.pool_bytes);
-    Ok(ABuffer { storage, raster: raster(given.raster)?, pool_bytes })
+    Ok(ABuffer {
+        storage,
+        raster: raster(given.raster)?,
+        pool_bytes,
+    })
 }

@@ -83,7 +83,10 @@ pub struct PelagePassTime {
 /// Says what the latest frame did, and what the context holds, in `*statistics`, begun with `PELAGE_STATISTICS_INIT`.
 /// Does not wait.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_statistics(context: PelageContext, statistics: *mut PelageStatistics) -> PelageResult {
+pub unsafe extern "C" fn pelage_statistics(
+    context: PelageContext,
+    statistics: *mut PelageStatistics,
+) -> PelageResult {
     guard(|| {
         let now = context.with(|state| Ok(state.offscreen.renderer.statistics()))?;
         let value = PelageStatistics {
@@ -114,7 +117,10 @@ pub unsafe extern "C" fn pelage_bytes_by_label(
 ) -> PelageResult {
     guard(|| {
         let bytes = context.with(|state| Ok(state.offscreen.renderer.statistics().bytes))?;
-        let list = bytes.iter().map(|(label, bytes)| PelageLabelBytes { label: label_of(label), bytes: *bytes });
+        let list = bytes.iter().map(|(label, bytes)| PelageLabelBytes {
+            label: label_of(label),
+            bytes: *bytes,
+        });
         // SAFETY: the rule of the module `capi`.
         unsafe { fill(list, capacity, entries, count) }
     })
@@ -131,14 +137,22 @@ pub unsafe extern "C" fn pelage_pass_times(
 ) -> PelageResult {
     guard(|| {
         let passes = context.with(|state| Ok(state.passes.clone()))?;
-        let list = passes.iter().map(|pass| PelagePassTime { label: label_of(&pass.label), ms: pass.ms });
+        let list = passes.iter().map(|pass| PelagePassTime {
+            label: label_of(&pass.label),
+            ms: pass.ms,
+        });
         // SAFETY: the rule of the module `capi`.
         unsafe { fill(list, capacity, entries, count) }
     })
 }
 
 /// Writes a list into a host's array.
-unsafe fn fill<T>(list: impl ExactSizeIterator<Item = T>, capacity: u64, entries: *mut T, count: *mut u64) -> Result<()> {
+unsafe fn fill<T>(
+    list: impl ExactSizeIterator<Item = T>,
+    capacity: u64,
+    entries: *mut T,
+    count: *mut u64,
+) -> Result<()> {
     // SAFETY: the rule of the module `capi`.
     let count = unsafe { output("count", count) }?;
     if capacity > 0 && entries.is_null() {
@@ -166,7 +180,9 @@ pub(super) fn copy_text(text: &str, out: &mut [c_char]) {
         end -= 1;
     }
     out.fill(0);
-    out.iter_mut().zip(&text.as_bytes()[..end]).for_each(|(to, from)| *to = *from as c_char);
+    out.iter_mut()
+        .zip(&text.as_bytes()[..end])
+        .for_each(|(to, from)| *to = *from as c_char);
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ use super::descriptor::{self, descriptor};
 use super::input::{optional_slice, reserved, slice};
 use crate::error::{Result, invalid};
 use crate::groom::{
-    ClumpSettings, Curve, Guides, InterpolationSettings, MAX_POINTS, Strands, Stray, interpolate_clumps, interpolate_on_mesh,
+    ClumpSettings, Curve, Guides, InterpolationSettings, MAX_POINTS, Strands, Stray,
+    interpolate_clumps, interpolate_on_mesh,
 };
 
 /// Straight segments between the points.
@@ -166,7 +167,12 @@ pub(super) unsafe fn read_strands(name: &str, pointer: *const PelageStrands) -> 
     // SAFETY: the rule of the module `capi`. Both counts are checked against the most before any other array is looked at.
     let (positions, counts) = unsafe {
         (
-            slice("positions", given.positions.cast::<[f32; 3]>(), given.point_count, MAX_POINTS)?,
+            slice(
+                "positions",
+                given.positions.cast::<[f32; 3]>(),
+                given.point_count,
+                MAX_POINTS,
+            )?,
             slice("counts", given.counts, given.strand_count, MAX_POINTS)?,
         )
     };
@@ -185,7 +191,8 @@ pub(super) unsafe fn read_strands(name: &str, pointer: *const PelageStrands) -> 
     if let Some(colours) = colours {
         strands = strands.with_colours(colours.to_vec())?;
     }
-    with_radii(strands, radii, given.root_radius, given.tip_radius).map(|strands| strands.with_curve(curve))
+    with_radii(strands, radii, given.root_radius, given.tip_radius)
+        .map(|strands| strands.with_curve(curve))
 }
 
 fn with_radii(strands: Strands, radii: Option<&[f32]>, root: f32, tip: f32) -> Result<Strands> {
@@ -210,29 +217,54 @@ pub(super) unsafe fn interpolated(
     settings: *const PelageInterpolationSettings,
 ) -> Result<Strands> {
     // SAFETY: the rule of the module `capi`.
-    let (strands, given) = unsafe { (read_strands("guides", guides)?, descriptor::read("settings", settings)?) };
+    let (strands, given) = unsafe {
+        (
+            read_strands("guides", guides)?,
+            descriptor::read("settings", settings)?,
+        )
+    };
     // SAFETY: the rule of the module `capi`.
-    let triangles =
-        unsafe { slice("triangles", given.triangles.cast::<[u32; 3]>(), given.triangle_count, MAX_POINTS) }?;
+    let triangles = unsafe {
+        slice(
+            "triangles",
+            given.triangles.cast::<[u32; 3]>(),
+            given.triangle_count,
+            MAX_POINTS,
+        )
+    }?;
     let settings = InterpolationSettings {
         density: given.density,
         clump: given.clump,
-        stray: Stray { fraction: given.stray_fraction, strength: given.stray_strength },
+        stray: Stray {
+            fraction: given.stray_fraction,
+            strength: given.stray_strength,
+        },
         seed: given.seed,
     };
     interpolate_on_mesh(&Guides::on_mesh(strands, triangles.to_vec())?, &settings)
 }
 
 /// Strands in clumps around guides.
-pub(super) unsafe fn clumped(guides: *const PelageStrands, settings: *const PelageClumpSettings) -> Result<Strands> {
+pub(super) unsafe fn clumped(
+    guides: *const PelageStrands,
+    settings: *const PelageClumpSettings,
+) -> Result<Strands> {
     // SAFETY: the rule of the module `capi`.
-    let (strands, given) = unsafe { (read_strands("guides", guides)?, descriptor::read("settings", settings)?) };
+    let (strands, given) = unsafe {
+        (
+            read_strands("guides", guides)?,
+            descriptor::read("settings", settings)?,
+        )
+    };
     reserved("PelageClumpSettings", given.reserved)?;
     let settings = ClumpSettings {
         followers: given.followers,
         root_radius: given.root_radius,
         tip_factor: given.tip_factor,
-        stray: Stray { fraction: given.stray_fraction, strength: given.stray_strength },
+        stray: Stray {
+            fraction: given.stray_fraction,
+            strength: given.stray_strength,
+        },
         seed: given.seed,
     };
     interpolate_clumps(&strands, &settings)

@@ -60,7 +60,12 @@ pub unsafe extern "C" fn pelage_target_create(
     guard(|| {
         context.check()?;
         // SAFETY: the rule of the module `capi`.
-        let (given, target) = unsafe { (descriptor::read("descriptor", descriptor)?, output("target", target)?) };
+        let (given, target) = unsafe {
+            (
+                descriptor::read("descriptor", descriptor)?,
+                output("target", target)?,
+            )
+        };
         let format = match given.format {
             PELAGE_FORMAT_RGBA16F => TextureFormat::Rgba16Float,
             PELAGE_FORMAT_RGBA32F => TextureFormat::Rgba32Float,
@@ -68,9 +73,15 @@ pub unsafe extern "C" fn pelage_target_create(
         };
         let with_depth = flag("with_depth", given.with_depth)?;
         reserved("PelageTargetDescriptor", given.reserved)?;
-        let id = context.make(Kind::Target, |state| &mut state.targets, |state| {
-            state.offscreen.create_image(given.width, given.height, format, with_depth)
-        })?;
+        let id = context.make(
+            Kind::Target,
+            |state| &mut state.targets,
+            |state| {
+                state
+                    .offscreen
+                    .create_image(given.width, given.height, format, with_depth)
+            },
+        )?;
         target.write(PelageTarget { id });
         Ok(())
     })
@@ -87,18 +98,32 @@ pub extern "C" fn pelage_target_destroy(target: PelageTarget) -> PelageResult {
 ///
 /// Errors: another size; a value that is not finite.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_target_write_colour(target: PelageTarget, pixels: *const f32, size: u64) -> PelageResult {
+pub unsafe extern "C" fn pelage_target_write_colour(
+    target: PelageTarget,
+    pixels: *const f32,
+    size: u64,
+) -> PelageResult {
     guard(|| {
         target.with(|image, offscreen| {
             let count = pixel_count(image);
             check_bytes::<[f32; 4]>("pixels", size, count, "the image takes")?;
             // SAFETY: the rule of the module `capi`.
-            let values = unsafe { slice("pixels", pixels.cast::<[f32; 4]>(), count as u64, count) }?;
-            if let Some(at) = values.iter().position(|pixel| !pixel.iter().all(|value| value.is_finite())) {
-                let (x, y) = (at % image.colour.width() as usize, at / image.colour.width() as usize);
+            let values =
+                unsafe { slice("pixels", pixels.cast::<[f32; 4]>(), count as u64, count) }?;
+            if let Some(at) = values
+                .iter()
+                .position(|pixel| !pixel.iter().all(|value| value.is_finite()))
+            {
+                let (x, y) = (
+                    at % image.colour.width() as usize,
+                    at / image.colour.width() as usize,
+                );
                 return invalid!("pixel ({x}, {y}): colour {:?} is not finite", values[at]);
             }
-            let colours: Vec<Vec4> = values.iter().map(|pixel| Vec4::from_array(*pixel)).collect();
+            let colours: Vec<Vec4> = values
+                .iter()
+                .map(|pixel| Vec4::from_array(*pixel))
+                .collect();
             offscreen.write_colour(&image.colour, &colours)
         })
     })
@@ -109,7 +134,11 @@ pub unsafe extern "C" fn pelage_target_write_colour(target: PelageTarget, pixels
 ///
 /// Errors: a target without a depth; another size; a value outside 0 to 1.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_target_write_depth(target: PelageTarget, depths: *const f32, size: u64) -> PelageResult {
+pub unsafe extern "C" fn pelage_target_write_depth(
+    target: PelageTarget,
+    depths: *const f32,
+    size: u64,
+) -> PelageResult {
     guard(|| {
         target.with(|image, offscreen| {
             let (depth, count) = (depth_of(image)?, pixel_count(image));
@@ -126,7 +155,11 @@ pub unsafe extern "C" fn pelage_target_write_depth(target: PelageTarget, depths:
 ///
 /// Errors: another size; `PELAGE_DEVICE_LOST`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_target_read_colour(target: PelageTarget, pixels: *mut f32, size: u64) -> PelageResult {
+pub unsafe extern "C" fn pelage_target_read_colour(
+    target: PelageTarget,
+    pixels: *mut f32,
+    size: u64,
+) -> PelageResult {
     guard(|| {
         target.with(|image, offscreen| {
             let count = pixel_count(image);
@@ -145,7 +178,11 @@ pub unsafe extern "C" fn pelage_target_read_colour(target: PelageTarget, pixels:
 ///
 /// Errors: a target without a depth; another size; `PELAGE_DEVICE_LOST`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn pelage_target_read_depth(target: PelageTarget, depths: *mut f32, size: u64) -> PelageResult {
+pub unsafe extern "C" fn pelage_target_read_depth(
+    target: PelageTarget,
+    depths: *mut f32,
+    size: u64,
+) -> PelageResult {
     guard(|| {
         target.with(|image, offscreen| {
             let (depth, count) = (depth_of(image)?, pixel_count(image));

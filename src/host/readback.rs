@@ -46,13 +46,18 @@ impl Offscreen {
     /// An image larger than the device's largest buffer; no memory.
     pub fn begin_read(&self, texture: &wgpu::Texture) -> Result<Readback> {
         let device = self.renderer.device();
-        let texel = texture.format().block_copy_size(Some(wgpu::TextureAspect::All)).unwrap_or(4);
+        let texel = texture
+            .format()
+            .block_copy_size(Some(wgpu::TextureAspect::All))
+            .unwrap_or(4);
         let row = texture.width() * texel;
         let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let size = u64::from(stride) * u64::from(texture.height());
         let most = device.limits().max_buffer_size;
         if size > most {
-            return Err(Error::Unsupported(format!("reading {size} bytes; this device's largest buffer holds {most}")));
+            return Err(Error::Unsupported(format!(
+                "reading {size} bytes; this device's largest buffer holds {most}"
+            )));
         }
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
@@ -69,7 +74,11 @@ impl Offscreen {
             texture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
                 buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride), rows_per_image: None },
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(stride),
+                    rows_per_image: None,
+                },
             },
             texture.size(),
         );
@@ -77,10 +86,21 @@ impl Offscreen {
         let state = Arc::new(AtomicU8::new(PENDING));
         let arrived = state.clone();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            arrived.store(if result.is_ok() { ARRIVED } else { FAILED }, Ordering::Release);
+            arrived.store(
+                if result.is_ok() { ARRIVED } else { FAILED },
+                Ordering::Release,
+            );
         });
         let (width, height) = (texture.width(), texture.height());
-        Ok(Readback { buffer, state, format: texture.format(), width, height, row, stride })
+        Ok(Readback {
+            buffer,
+            state,
+            format: texture.format(),
+            width,
+            height,
+            row,
+            stride,
+        })
     }
 
     /// Whether an image has arrived. Does not wait.
@@ -111,9 +131,14 @@ impl Offscreen {
             wgpu::TextureFormat::Rgba16Float => {
                 let values = bytemuck::pod_collect_to_vec::<u8, u16>(&bytes);
                 let float = |bits: u16| half::f16::from_bits(bits).to_f32();
-                Ok(values.chunks_exact(4).map(|c| Vec4::from_array(std::array::from_fn(|i| float(c[i])))).collect())
+                Ok(values
+                    .chunks_exact(4)
+                    .map(|c| Vec4::from_array(std::array::from_fn(|i| float(c[i]))))
+                    .collect())
             }
-            format => invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float can be read"),
+            format => {
+                invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float can be read")
+            }
         }
     }
 
@@ -123,7 +148,10 @@ impl Offscreen {
     /// An image of another format than `Depth32Float`; a lost device.
     pub fn finish_depth(&mut self, readback: &Readback) -> Result<Vec<f32>> {
         if readback.format != wgpu::TextureFormat::Depth32Float {
-            return invalid!("a depth of format {:?}; Depth32Float can be read", readback.format);
+            return invalid!(
+                "a depth of format {:?}; Depth32Float can be read",
+                readback.format
+            );
         }
         Ok(bytemuck::pod_collect_to_vec(&self.finish(readback)?))
     }
@@ -133,13 +161,20 @@ impl Offscreen {
         if !self.poll_read(readback)? {
             self.renderer.wait()?;
             if !self.poll_read(readback)? {
-                return Err(Error::Internal("an image has not arrived after all work was done".into()));
+                return Err(Error::Internal(
+                    "an image has not arrived after all work was done".into(),
+                ));
             }
         }
-        let mapped = readback.buffer.get_mapped_range(..).map_err(|error| Error::DeviceLost(error.to_string()))?;
+        let mapped = readback
+            .buffer
+            .get_mapped_range(..)
+            .map_err(|error| Error::DeviceLost(error.to_string()))?;
         let (row, stride) = (readback.row as usize, readback.stride as usize);
         let mut bytes = Vec::with_capacity(row * readback.height as usize);
-        mapped.chunks_exact(stride).for_each(|line| bytes.extend_from_slice(&line[..row]));
+        mapped
+            .chunks_exact(stride)
+            .for_each(|line| bytes.extend_from_slice(&line[..row]));
         Ok(bytes)
     }
 }

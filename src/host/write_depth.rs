@@ -16,7 +16,10 @@ impl Offscreen {
     /// 0…1; no memory. Nothing has then been written.
     pub fn write_depth(&mut self, depth: &wgpu::Texture, values: &[f32]) -> Result<()> {
         if depth.format() != wgpu::TextureFormat::Depth32Float {
-            return invalid!("a depth of format {:?}; Depth32Float can be written", depth.format());
+            return invalid!(
+                "a depth of format {:?}; Depth32Float can be written",
+                depth.format()
+            );
         }
         let (width, height) = (depth.width(), depth.height());
         if values.len() as u64 != u64::from(width) * u64::from(height) {
@@ -24,7 +27,10 @@ impl Offscreen {
         }
         if let Some(at) = values.iter().position(|value| !(0.0..=1.0).contains(value)) {
             let (x, y) = (at as u32 % width, at as u32 / width);
-            return invalid!("pixel ({x}, {y}): depth {} is not between 0 and 1", values[at]);
+            return invalid!(
+                "pixel ({x}, {y}): depth {} is not between 0 and 1",
+                values[at]
+            );
         }
         let device = self.renderer.device();
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
@@ -39,7 +45,9 @@ impl Offscreen {
             view_formats: &[],
         });
         if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(Error::OutOfMemory(format!("a depth of {width}×{height} pixels: {error}")));
+            return Err(Error::OutOfMemory(format!(
+                "a depth of {width}×{height} pixels: {error}"
+            )));
         }
         self.write_texture(&source, bytemuck::cast_slice(values), values.len())?;
         let pipeline = self.write_depth_pipeline();
@@ -86,14 +94,21 @@ impl Offscreen {
         self.write_depth.get_or_insert_with(make).clone()
     }
 
-    fn draw_depth(&self, pipeline: &wgpu::RenderPipeline, source: &wgpu::Texture, depth: &wgpu::Texture) {
+    fn draw_depth(
+        &self,
+        pipeline: &wgpu::RenderPipeline,
+        source: &wgpu::Texture,
+        depth: &wgpu::Texture,
+    ) {
         let device = self.renderer.device();
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(LABEL),
             layout: &pipeline.get_bind_group_layout(0),
             entries: &[wgpu::BindGroupEntry {
                 binding: 0,
-                resource: wgpu::BindingResource::TextureView(&source.create_view(&Default::default())),
+                resource: wgpu::BindingResource::TextureView(
+                    &source.create_view(&Default::default()),
+                ),
             }],
         });
         let view = depth.create_view(&Default::default());
@@ -103,7 +118,10 @@ impl Offscreen {
             color_attachments: &[],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Store,
+                }),
                 stencil_ops: None,
             }),
             ..Default::default()

@@ -48,6 +48,13 @@ static void on_log(uint32_t level, const char *message, void *user) {
     log->set_within = pelage_set_log_callback(PELAGE_LOG_OFF, NULL, NULL);
 }
 
+/* Nothing here may be a fault of the library, nor a message of the validation layer, which the contexts ask for. */
+static void on_error(uint32_t level, const char *message, void *user) {
+    (void)user;
+    printf("log, level %u: %s\n", (unsigned)level, message);
+    failures++;
+}
+
 static PelageView view_of_z(void) {
     const double eye[3] = { 0, 0, 3 }, target[3] = { 0, 0, 0 }, up[3] = { 0, 1, 0 };
     PelageView view = PELAGE_VIEW_INIT;
@@ -89,7 +96,12 @@ static void use(PelageContext context, int destroy_each) {
     frame.lights = &light;
     frame.light_count = 1;
     frame.view = &view;
+    for (int at = 0; at < SIDE * SIDE; at++) {
+        again[at] = 1.0f;
+    }
+    EXPECT(PELAGE_OK, pelage_target_write_depth(target, again, sizeof(float) * SIDE * SIDE));
     EXPECT(PELAGE_OK, pelage_render(context, &frame, target, PELAGE_RENDER_CLEAR | PELAGE_RENDER_WRITE_DEPTH));
+    EXPECT(PELAGE_OK, pelage_render_timed(context, &frame, target, PELAGE_RENDER_RECEIVE_SHADOW));
     EXPECT(PELAGE_OK, pelage_readback_begin_colour(target, &readback));
     while (!arrived) {
         EXPECT(PELAGE_OK, pelage_readback_poll(readback, &arrived));
@@ -162,7 +174,7 @@ static void listen(PelageContext context) {
     EXPECT_TRUE(statistics.fragments_merged > 0);
     EXPECT_TRUE(log.merged > 0);
     EXPECT_TRUE(log.set_within == PELAGE_INVALID_VALUE);
-    EXPECT(PELAGE_OK, pelage_set_log_callback(PELAGE_LOG_WARN, NULL, NULL));
+    EXPECT(PELAGE_OK, pelage_set_log_callback(PELAGE_LOG_ERROR, on_error, NULL));
     before = log.messages;
     EXPECT(PELAGE_OK, pelage_render(context, &frame, target, PELAGE_RENDER_CLEAR));
     EXPECT(PELAGE_OK, pelage_wait(context));
@@ -177,6 +189,8 @@ int main(int argc, char **argv) {
         PelageContextDescriptor descriptor = PELAGE_CONTEXT_DESCRIPTOR_INIT;
         PelageContext context;
         descriptor.force_software = 1;
+        descriptor.validation = 1;
+        EXPECT(PELAGE_OK, pelage_set_log_callback(PELAGE_LOG_ERROR, on_error, NULL));
         EXPECT(PELAGE_OK, pelage_context_create(&descriptor, &context));
         misuse(context);
         use(context, 1);
@@ -186,6 +200,7 @@ int main(int argc, char **argv) {
         EXPECT(PELAGE_INVALID_HANDLE, pelage_context_destroy(context));
         EXPECT(PELAGE_INVALID_HANDLE, pelage_wait(context));
     }
+    EXPECT(PELAGE_OK, pelage_set_log_callback(PELAGE_LOG_OFF, NULL, NULL));
     printf("%d failures\n", failures);
     return failures != 0;
 }

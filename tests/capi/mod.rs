@@ -1,8 +1,11 @@
 //! The C ABI, as a C host sees it.
 
+mod frames;
+mod grooms;
 mod handles;
 mod header;
-mod hostile;
+mod pointers;
 mod programs;
 mod rendering;
 mod support;
+mod threads;
