@@ -70,14 +70,14 @@ int main(int argc, char **argv) {
     check(pelage_target_create(context, &image, &target), "target");
 
     /* The head's origin lies between the ears; it looks along +z, in metres. */
-    const double eye[3] = { 0.45, 0.05, 0.85 }, middle[3] = { 0.0, -0.05, 0.0 }, up[3] = { 0.0, 1.0, 0.0 };
+    const double eye[3] = { 0.6, 0.15, -0.75 }, middle[3] = { 0.0, -0.06, 0.0 }, up[3] = { 0.0, 1.0, 0.0 };
     PelageView view = PELAGE_VIEW_INIT;
-    check(pelage_view_perspective(eye, middle, up, 0.6, (double)WIDTH / HEIGHT, 0.1, 10.0, &view), "view");
+    check(pelage_view_perspective(eye, middle, up, 0.5, (double)WIDTH / HEIGHT, 0.1, 10.0, &view), "view");
 
     PelageLight sun = PELAGE_LIGHT_INIT;
-    sun.direction[0] = -0.6;
+    sun.direction[0] = -0.9;
     sun.direction[1] = -0.8;
-    sun.direction[2] = -0.5;
+    sun.direction[2] = 0.2;
     sun.power[0] = sun.power[1] = sun.power[2] = 3.0f;
 
     PelageFrame frame = PELAGE_FRAME_INIT;

@@ -17,7 +17,7 @@ pub struct PelageContextDescriptor {
     pub struct_size: u32,
     /// 1: take a software driver even where a GPU is present. 0 takes one only where there is nothing else.
     pub force_software: u32,
-    /// 1: load Vulkan's validation layer where it is installed; its messages go to the log as errors.
+    /// 1: load Vulkan's validation layer where it is installed; it writes what it finds to the standard output.
     pub validation: u32,
     /// 0.
     pub reserved: u32,

@@ -11,11 +11,11 @@ use crate::error::{Error, Result, invalid};
 
 /// No messages.
 pub const PELAGE_LOG_OFF: u32 = 0;
-/// Faults of the library and messages of the validation layer.
+/// Faults of the library.
 pub const PELAGE_LOG_ERROR: u32 = 1;
 /// What a host should know: a fragment pool that was too small.
 pub const PELAGE_LOG_WARN: u32 = 2;
-/// What was chosen: the adapter.
+/// Steps of the device's setup.
 pub const PELAGE_LOG_INFO: u32 = 3;
 /// For the library's developers.
 pub const PELAGE_LOG_DEBUG: u32 = 4;

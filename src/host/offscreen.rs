@@ -12,7 +12,7 @@ use crate::statistics::Statistics;
 pub struct OffscreenOptions {
     /// Take a software adapter even where a GPU is present.
     pub force_software: bool,
-    /// Load the validation layer where it is installed; its messages go to the log as errors.
+    /// Load the validation layer where it is installed; it writes what it finds to the standard output.
     pub validation: bool,
 }
 

@@ -48,7 +48,7 @@ static void on_log(uint32_t level, const char *message, void *user) {
     log->set_within = pelage_set_log_callback(PELAGE_LOG_OFF, NULL, NULL);
 }
 
-/* Nothing here may be a fault of the library, nor a message of the validation layer, which the contexts ask for. */
+/* Nothing here may be a fault of the library. */
 static void on_error(uint32_t level, const char *message, void *user) {
     (void)user;
     printf("log, level %u: %s\n", (unsigned)level, message);
