@@ -81,7 +81,6 @@ pub(crate) struct Bound<'a> {
     pub pixels: &'a Pixels,
     pub pixels_read: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
-    pub can_overflow: bool,
     returned: &'a Allocation,
 }
 
@@ -138,7 +137,6 @@ pub(crate) struct Resources {
     /// Fragments that the last frames needed.
     needed: u64,
     capacity: u64,
-    can_overflow: bool,
 }
 
 /// `count` elements of `each` bytes, from `first` on.
@@ -210,7 +208,6 @@ impl Resources {
             attachment: None,
             needed: 0,
             capacity: 0,
-            can_overflow: true,
         })
     }
 
@@ -307,8 +304,6 @@ impl Resources {
         if lists {
             self.capacity = self.capacity.min(self.pixels.links.size() / 4);
         }
-        // The search costs eight idle passes; it is left out where the measured need lies well below the pool.
-        self.can_overflow = self.needed == 0 || (self.needed as f64 * 1.05) as u64 >= self.capacity;
         Ok(())
     }
 
@@ -447,7 +442,6 @@ impl Resources {
             pixels_read: &groups.pixels_read,
             pixels: &self.pixels,
             attachment: self.attachment.as_ref().map(|texture| texture.create_view(&Default::default())),
-            can_overflow: self.can_overflow,
             returned: &slot.counters,
         })
     }

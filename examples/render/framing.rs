@@ -84,9 +84,9 @@ pub struct Framing {
     pub view: View,
 }
 
-/// Completes a camera. `groom` is what a camera without eye frames from the front (+z); `all` is what has to lie within
+/// Completes a camera. `groom` is what a camera without eye frames from its `front`; `all` is what has to lie within
 /// the depth range.
-pub fn frame(camera: &Camera, groom: Bounds, all: Bounds) -> Result<Framing> {
+pub fn frame(camera: &Camera, groom: Bounds, front: DVec3, all: Bounds) -> Result<Framing> {
     let Camera {
         vfov_deg,
         width,
@@ -108,7 +108,7 @@ pub fn frame(camera: &Camera, groom: Bounds, all: Bounds) -> Result<Framing> {
     let target = camera.target.map_or(groom.centre(), DVec3::from);
     let up = DVec3::from(camera.up);
     let eye = camera.eye.map_or_else(
-        || target + DVec3::Z * distance(&groom, target, half_fov, aspect),
+        || target + front * distance(&groom, target, front, half_fov, aspect),
         DVec3::from,
     );
 
@@ -133,12 +133,12 @@ pub fn frame(camera: &Camera, groom: Bounds, all: Bounds) -> Result<Framing> {
     })
 }
 
-/// How far in front of `target` an eye sees the whole of a box.
-fn distance(bounds: &Bounds, target: DVec3, half_fov: f64, aspect: f64) -> f64 {
+/// How far in front of `target` an eye sees the whole of a box. `front` is +z or -z.
+fn distance(bounds: &Bounds, target: DVec3, front: DVec3, half_fov: f64, aspect: f64) -> f64 {
     let slope = half_fov.tan();
     let fits = |corner: DVec3| {
         let offset = (corner - target).abs() * MARGIN;
-        (corner - target).z + (offset.y / slope).max(offset.x / (slope * aspect))
+        (corner - target).dot(front) + (offset.y / slope).max(offset.x / (slope * aspect))
     };
     let distance = bounds.corners().into_iter().map(fits).fold(0.0, f64::max);
     if distance > 0.0 { distance } else { 1.0 }

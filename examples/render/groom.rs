@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use pelage::glam::DVec3;
 use pelage::groom::{BuiltinGroom, Curve, Strands, builtin, formats, tessellate};
 
 use super::scene::{HairSource, Result, Scene};
@@ -11,22 +12,42 @@ const TIP_TAPER: f32 = 0.5;
 /// Straight pieces of a spline's segment where splines and polylines are joined.
 const CURVE_PIECES: u32 = 4;
 
-/// Strands of one source, and whether their radii are its own rather than a guess.
+/// Strands of one source.
 struct Part {
     strands: Strands,
+    /// Whether the radii are its own rather than a guess.
     has_radius: bool,
+    /// Whether it looks towards -z.
+    is_turned: bool,
+}
+
+/// A scene's hair as one groom.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Groom {
+    /// All strands.
+    pub strands: Strands,
+    /// Towards whom it looks: +z, but -z for TressFX 3, whose files stem from left-handed tools.
+    pub front: DVec3,
 }
 
 /// Loads and joins all of a scene's hair.
-pub fn load(scene: &Scene) -> Result<Strands> {
+pub fn load(scene: &Scene) -> Result<Groom> {
     let parts: Vec<Part> = scene.hair.iter().map(part).collect::<Result<_>>()?;
+    let turned = parts.iter().all(|part| part.is_turned);
+    let front = if turned { DVec3::NEG_Z } else { DVec3::Z };
+    let strands = join_with_radii(parts, scene.fibre.radius)?;
+    Ok(Groom { strands, front })
+}
+
+/// Joins, and sets the radius where one is asked for, or one that fits where a part has none.
+fn join_with_radii(parts: Vec<Part>, radius: Option<f32>) -> Result<Strands> {
     let guess = parts.iter().any(|part| !part.has_radius);
     let owned: Vec<bool> = parts
         .iter()
         .flat_map(|part| std::iter::repeat_n(part.has_radius, part.strands.points().len()))
         .collect();
     let strands = join(parts.into_iter().map(|part| part.strands).collect())?;
-    if let Some(radius) = scene.fibre.radius {
+    if let Some(radius) = radius {
         return strands
             .with_root_tip_radii(radius, radius)
             .map_err(|_| format!("fibre.radius {radius} is not a finite number of at least 0"));
@@ -76,6 +97,7 @@ fn part(source: &HairSource) -> Result<Part> {
             .map(|strands| Part {
                 strands,
                 has_radius: true,
+                is_turned: false,
             })
             .map_err(|error| error.to_string()),
         HairSource::File(path) => file(path),
@@ -89,9 +111,14 @@ fn file(path: &Path) -> Result<Part> {
     // TressFX holds no radius; HAIR may hold zeros.
     let has_radius =
         bytes.starts_with(b"HAIR") && strands.radii().iter().any(|radius| *radius > 0.0);
+    let is_turned = !bytes.starts_with(b"HAIR")
+        && bytes
+            .first_chunk()
+            .is_some_and(|version| f32::from_le_bytes(*version) < 4.0);
     Ok(Part {
         strands,
         has_radius,
+        is_turned,
     })
 }
 

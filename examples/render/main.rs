@@ -117,10 +117,10 @@ fn run(arguments: &Arguments) -> Result<()> {
         (scene.camera.width, scene.camera.height) = (width, height);
     }
     step("reading the groom");
-    let strands = groom::load(&scene)?;
+    let groom = groom::load(&scene)?;
     let mesh = meshes::load(&scene)?;
     step("opening a device");
-    let mut renderer = Renderer::new(&scene, &strands, &mesh)?;
+    let mut renderer = Renderer::new(&scene, &groom, &mesh)?;
     step("warming up");
     for _ in 0..WARM_UP_FRAMES {
         renderer.render()?;

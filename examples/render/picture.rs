@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use pelage::glam::Vec3;
-use pelage::groom::{Mesh, Strands};
+use pelage::groom::Mesh;
 use pelage::host::offscreen::{Image, Offscreen, OffscreenOptions};
 use pelage::{Frame, Hair, Light, LightKind, PassTime, Statistics, Target, wgpu};
 use serde_json::{Map, Value, json};
 
 use super::framing::{self, Bounds, Framing};
-use super::groom;
+use super::groom::{self, Groom};
 use super::mesh_pass::{MeshPass, Scenery};
 use super::output::{Picture, Spread};
 use super::scene::{Result, Scene};
@@ -39,10 +39,10 @@ pub struct Rendered<'a> {
 
 impl Renderer {
     /// Opens a device and uploads everything.
-    pub fn new(scene: &Scene, strands: &Strands, mesh: &Mesh) -> Result<Self> {
-        let groom = Bounds::around(strands.points()).ok_or("the hair has no points")?;
-        let all = Bounds::around(&mesh.positions).map_or(groom, |bounds| groom.union(bounds));
-        let framing = framing::frame(&scene.camera, groom, all)?;
+    pub fn new(scene: &Scene, groom: &Groom, mesh: &Mesh) -> Result<Self> {
+        let bounds = Bounds::around(groom.strands.points()).ok_or("the hair has no points")?;
+        let all = Bounds::around(&mesh.positions).map_or(bounds, |mesh| bounds.union(mesh));
+        let framing = framing::frame(&scene.camera, bounds, groom.front, all)?;
         let (lights, ambient) = framing::lights(scene, &framing);
 
         let mut offscreen = Offscreen::new(&OffscreenOptions::default()).map_err(sentence)?;
@@ -64,7 +64,10 @@ impl Renderer {
         };
         let meshes =
             has_meshes.then(|| MeshPass::new(offscreen.renderer.device(), &image, mesh, &scenery));
-        let mut hair = offscreen.renderer.create_hair(strands).map_err(sentence)?;
+        let mut hair = offscreen
+            .renderer
+            .create_hair(&groom.strands)
+            .map_err(sentence)?;
         hair.opacity = scene.fibre.opacity;
         hair.shading = scene.shading;
         Ok(Self {

@@ -2,7 +2,7 @@
 //
 // A fibre is a band {x : |n·x - d| < h} with unit normal n. The square's profile along n is a trapezoid whose integral
 // is `half_plane`; the band is the difference of two of them. At a strand's own ends the band becomes a rectangle and
-// the area follows from Green's theorem over the clipped edges. Widths from 0.01 px fade, and never break into dots.
+// the area follows from an integral over the square's rim. Widths from 0.01 px fade, and never break into dots.
 
 // The trapezoid of the unit square along a normal: plateau |d| < inner, support |d| < support.
 struct Footprint {
@@ -31,51 +31,31 @@ fn coverage_band(f: Footprint, d: f32, h: f32) -> f32 {
     return coverage_half_plane(f, d + h) - coverage_half_plane(f, d - h);
 }
 
-// ½ p × q of the part of the edge p…q that lies in the box low…high. Both figures run counter-clockwise; of two edges
-// that coincide, one is `closed` and counts where both run the same way, and none counts where the figures only touch.
-fn coverage_edge(p: vec2f, q: vec2f, low: vec2f, high: vec2f, closed: bool) -> f32 {
-    let d = q - p;
-    var enter = 0.0;
-    var leave = 1.0;
-    for (var axis = 0u; axis < 2u; axis++) {
-        if abs(d[axis]) < 1e-7 {
-            if p[axis] < low[axis] || p[axis] > high[axis] { return 0.0; }
-            let turn = select(d.x, -d.y, axis == 0u);
-            if p[axis] == low[axis] && !(closed && turn > 0.0) { return 0.0; }
-            if p[axis] == high[axis] && !(closed && turn < 0.0) { return 0.0; }
-        } else {
-            let a = (low[axis] - p[axis]) / d[axis];
-            let b = (high[axis] - p[axis]) / d[axis];
-            enter = max(enter, min(a, b));
-            leave = min(leave, max(a, b));
-        }
-    }
-    if leave <= enter { return 0.0; }
-    let from_point = p + enter * d;
-    let to_point = p + leave * d;
-    return 0.5 * (from_point.x * to_point.y - from_point.y * to_point.x);
+// ∫ clamp(n - low, 0, width) dt along the edge p…q, given as (n, t), over the part with t in start…end.
+fn coverage_edge(p: vec2f, q: vec2f, low: f32, width: f32, start: f32, end: f32) -> f32 {
+    let rise = q.y - p.y;
+    if abs(rise) < 1e-7 { return 0.0; }
+    let slope = (q.x - p.x) / rise;
+    let t0 = clamp(p.y, start, end);
+    let t1 = clamp(q.y, start, end);
+    let n0 = p.x + (t0 - p.y) * slope - low;
+    let n1 = p.x + (t1 - p.y) * slope - low;
+    let c0 = clamp(n0, 0.0, width);
+    let c1 = clamp(n1, 0.0, width);
+    let run = n1 - n0;
+    let sum = 0.5 * (c1 - c0) * (c1 + c0) + width * (max(n1, width) - max(n0, width));
+    return (t1 - t0) * select(sum / run, 0.5 * (c0 + c1), abs(run) < 1e-6);
 }
 
-// Area of the square within the rectangle that spans low…high in the frame (normal, tangent) around the square's
-// centre. Green's theorem: the square's edges inside the rectangle and the rectangle's inside the square.
-fn coverage_rectangle(normal: vec2f, low_bound: vec2f, high_bound: vec2f) -> f32 {
-    // The square reaches to ½√2; bounding the rectangle keeps the clipping exact in f32.
-    let low = clamp(low_bound, vec2f(-1.0), vec2f(1.0));
-    let high = clamp(high_bound, vec2f(-1.0), vec2f(1.0));
-    if any(high <= low) { return 0.0; }
-    let tangent = vec2f(-normal.y, normal.x);
-    // The square's corners, counter-clockwise, in the fibre's frame.
-    let a = 0.5 * vec2f(-normal.x - normal.y, -tangent.x - tangent.y);
-    let b = 0.5 * vec2f(normal.x - normal.y, tangent.x - tangent.y);
-    var area = coverage_edge(a, b, low, high, true) + coverage_edge(b, -a, low, high, true)
-        + coverage_edge(-a, -b, low, high, true) + coverage_edge(-b, a, low, high, true);
-    // The rectangle's corners, counter-clockwise, in the square's frame.
-    let r0 = low.x * normal + low.y * tangent;
-    let r1 = high.x * normal + low.y * tangent;
-    let r2 = high.x * normal + high.y * tangent;
-    let r3 = low.x * normal + high.y * tangent;
-    let corner = vec2f(0.5);
-    area += coverage_edge(r0, r1, -corner, corner, false) + coverage_edge(r1, r2, -corner, corner, false)
-        + coverage_edge(r2, r3, -corner, corner, false) + coverage_edge(r3, r0, -corner, corner, false);
+// Area of the square within the rectangle low < n < low + width, start < t < end in the frame (normal, tangent) around
+// the square's centre. By the divergence theorem it is ∮ clamp(n - low, 0, width) dt over the part of the square's rim
+// with t in start…end; only the square's four edges count, and coincident edges need no care.
+fn coverage_rectangle(normal: vec2f, low: f32, width: f32, start: f32, end: f32) -> f32 {
+    if end <= start { return 0.0; }
+    // The square's corners, counter-clockwise, in the fibre's frame, whose tangent is (-n_y, n_x).
+    let a = 0.5 * vec2f(-normal.x - normal.y, normal.y - normal.x);
+    let b = 0.5 * vec2f(normal.x - normal.y, -normal.y - normal.x);
+    let area = coverage_edge(a, b, low, width, start, end) + coverage_edge(b, -a, low, width, start, end)
+        + coverage_edge(-a, -b, low, width, start, end) + coverage_edge(-b, a, low, width, start, end);
     return clamp(area, 0.0, 1.0);
 }

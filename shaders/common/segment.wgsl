@@ -113,9 +113,7 @@ fn segment_fragment(s: Segment, index: u32, centre: vec2f) -> Fragment {
     let start = -along - s.before;
     let end = s.length - along + s.after;
     if fragment.coverage > 0.0 && (start > -support || end < support) {
-        let low = vec2f(-across - half_width, start);
-        let high = vec2f(-across + half_width, end);
-        fragment.coverage = coverage_rectangle(s.normal, low, high);
+        fragment.coverage = coverage_rectangle(s.normal, -across - half_width, 2.0 * half_width, start, end);
     }
     fragment.depth = mix(s.start_depth, s.end_depth, fragment.along);
     fragment.opacity = drawing.opacity * fragment.coverage;

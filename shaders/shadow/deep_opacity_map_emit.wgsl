@@ -13,8 +13,10 @@ fn emit_end() {}
 fn emit(pixel: vec2u, fragment: Fragment) {
     let texel = pixel.y * u32(drawing.viewport.x) + pixel.x;
     if STAGE == STAGE_FRONT {
-        if fragment.opacity > 0.0 {
-            atomicMax(&shadow_maps[drawing.front_base + texel], deep_opacity_front_word(fragment.depth));
+        // Most fragments lie behind the front; a look is cheaper than an atomic maximum.
+        let word = deep_opacity_front_word(fragment.depth);
+        if fragment.opacity > 0.0 && word > atomicLoad(&shadow_maps[drawing.front_base + texel]) {
+            atomicMax(&shadow_maps[drawing.front_base + texel], word);
         }
     } else {
         let front = deep_opacity_front(atomicLoad(&shadow_maps[drawing.front_base + texel]));

@@ -1,6 +1,7 @@
 // A-buffer, as the rasterisers fill it. Two storages:
 //
 // Counted arrays: COUNT counts a pixel's fragments, a scan turns counts into places, SCATTER stores.
+// Where the pool is too small SCATTER returns at once and SCATTER_OVERFLOW does its work.
 // Linked lists (Yang et al. 2010, Hunz algorithm 3): LIST takes a node and makes it the head of its pixel's list.
 //
 // Overflow: what does not fit is merged into the pixel's tail. Counted arrays first give each pixel its share and find,
@@ -22,16 +23,15 @@ const STAGE_COUNT: u32 = 0u;
 const STAGE_RANGE: u32 = 1u;
 const STAGE_HISTOGRAM: u32 = 2u;
 const STAGE_SCATTER: u32 = 3u;
-const STAGE_LIST: u32 = 4u;
+const STAGE_SCATTER_OVERFLOW: u32 = 4u;
+const STAGE_LIST: u32 = 5u;
 
 var<private> a_buffer_culled: u32;
-var<private> a_buffer_overflowed: bool;
 
 fn emit_begin() -> bool {
     a_buffer_culled = 0u;
     if STAGE == STAGE_COUNT || STAGE == STAGE_LIST { return true; }
-    a_buffer_overflowed = atomicLoad(&counters.overflow) != 0u;
-    return STAGE == STAGE_SCATTER || a_buffer_overflowed;
+    return (atomicLoad(&counters.overflow) != 0u) != (STAGE == STAGE_SCATTER);
 }
 
 fn emit_end() {
@@ -85,10 +85,12 @@ fn emit(pixel: vec2u, fragment: Fragment) {
         if key >= low && key - low < width {
             atomicAdd(&overflow[words + SEARCH_BINS + (key - low) / search_bin_width(width)], 1u);
         }
-    } else if STAGE == STAGE_SCATTER {
-        if a_buffer_overflowed && key >= atomicLoad(&overflow[words + TAIL_FIRST_KEY]) {
-            a_buffer_merge(number, fragment);
-            return;
+    } else if STAGE == STAGE_SCATTER || STAGE == STAGE_SCATTER_OVERFLOW {
+        if STAGE == STAGE_SCATTER_OVERFLOW {
+            if key >= atomicLoad(&overflow[words + TAIL_FIRST_KEY]) {
+                a_buffer_merge(number, fragment);
+                return;
+            }
         }
         // The count and this pass evaluate the same expressions; should they differ all the same, nothing else suffers.
         let left = atomicSub(&fill[number], 1u);

@@ -1,14 +1,17 @@
 // A-buffer with counted arrays, pool too small: a pixel's passes around the rasterisers' RANGE and HISTOGRAM stages.
-// All return at once where the pool suffices.
+// A fixed number of workgroups strides over the pixels, so that the passes cost next to nothing where the pool suffices
+// and all return at once.
 
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 @group(3) @binding(1) var<storage, read_write> fill: array<u32>;
 @group(3) @binding(6) var<storage, read_write> overflow: array<u32>;
 
-fn a_buffer_pixel(invocation: vec3u, groups: vec3u) -> u32 {
-    let number = invocation.x + invocation.y * groups.x * 64u;
+const OVERFLOW_STRIDE: u32 = 16384u;
+
+// Pixels to treat: none where the pool suffices.
+fn a_buffer_pixels() -> u32 {
     let count = (drawing.row_end - drawing.row_first) * u32(drawing.viewport.x);
-    return select(0xffffffffu, number, number < count && atomicLoad(&counters.overflow) != 0u);
+    return select(0u, count, atomicLoad(&counters.overflow) != 0u);
 }
 
 // A pixel's share of the pool: one fragment where there are enough, and of the rest in proportion to its count.
@@ -21,19 +24,13 @@ fn a_buffer_share(count: u32) -> u32 {
     return min(count, base + u32(f32(count) * (f32(rest) / produced) * 0.9999));
 }
 
-@compute @workgroup_size(64)
-fn a_buffer_overflow_begin(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let number = a_buffer_pixel(invocation, groups);
-    if number == 0xffffffffu { return; }
+fn a_buffer_overflow_begin_pixel(number: u32) {
     overflow[number * OVERFLOW_WORDS + SEARCH_LOW] = 0xffffffffu;
     overflow[number * OVERFLOW_WORDS + SEARCH_WIDTH] = 0u;
 }
 
 // After RANGE: low and highest key → low and width.
-@compute @workgroup_size(64)
-fn a_buffer_overflow_range(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let number = a_buffer_pixel(invocation, groups);
-    if number == 0xffffffffu { return; }
+fn a_buffer_overflow_range_pixel(number: u32) {
     let words = number * OVERFLOW_WORDS;
     let low = overflow[words + SEARCH_LOW];
     overflow[words + SEARCH_WIDTH] = select(0u, overflow[words + SEARCH_WIDTH] - low + 1u, fill[number] > 0u);
@@ -41,10 +38,7 @@ fn a_buffer_overflow_range(@builtin(global_invocation_id) invocation: vec3u, @bu
 }
 
 // After HISTOGRAM: keeps the nearest bins that fit, and searches on in the first that does not.
-@compute @workgroup_size(64)
-fn a_buffer_overflow_select(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let number = a_buffer_pixel(invocation, groups);
-    if number == 0xffffffffu { return; }
+fn a_buffer_overflow_select_pixel(number: u32) {
     let words = number * OVERFLOW_WORDS;
     let share = a_buffer_share(fill[number]);
     let bin_width = search_bin_width(overflow[words + SEARCH_WIDTH]);
@@ -70,13 +64,34 @@ fn a_buffer_overflow_select(@builtin(global_invocation_id) invocation: vec3u, @b
 }
 
 // The search becomes an empty tail that begins at its key.
-@compute @workgroup_size(64)
-fn a_buffer_overflow_end(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let number = a_buffer_pixel(invocation, groups);
-    if number == 0xffffffffu { return; }
+fn a_buffer_overflow_end_pixel(number: u32) {
     let words = number * OVERFLOW_WORDS;
     let first_key = overflow[words + SEARCH_LOW];
     fill[number] = overflow[words + SEARCH_KEPT];
     for (var word = 0u; word < OVERFLOW_WORDS; word++) { overflow[words + word] = 0u; }
     overflow[words + TAIL_FIRST_KEY] = first_key;
+}
+
+@compute @workgroup_size(64)
+fn a_buffer_overflow_begin(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixels = a_buffer_pixels();
+    for (var number = invocation.x; number < pixels; number += OVERFLOW_STRIDE) { a_buffer_overflow_begin_pixel(number); }
+}
+
+@compute @workgroup_size(64)
+fn a_buffer_overflow_range(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixels = a_buffer_pixels();
+    for (var number = invocation.x; number < pixels; number += OVERFLOW_STRIDE) { a_buffer_overflow_range_pixel(number); }
+}
+
+@compute @workgroup_size(64)
+fn a_buffer_overflow_select(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixels = a_buffer_pixels();
+    for (var number = invocation.x; number < pixels; number += OVERFLOW_STRIDE) { a_buffer_overflow_select_pixel(number); }
+}
+
+@compute @workgroup_size(64)
+fn a_buffer_overflow_end(@builtin(global_invocation_id) invocation: vec3u) {
+    let pixels = a_buffer_pixels();
+    for (var number = invocation.x; number < pixels; number += OVERFLOW_STRIDE) { a_buffer_overflow_end_pixel(number); }
 }

@@ -1,7 +1,7 @@
 //! A-buffer: every fragment of a pixel stored, sorted and composited (Yang et al. 2010, Hunz §5.1).
 
 use crate::error::{Result, invalid};
-use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
+use crate::gpu::{Gpu, Group, Passes, PipelineKey};
 use crate::layout::{OVERFLOW_WORDS, SCAN_BLOCK};
 use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission, Raster};
@@ -23,8 +23,12 @@ const COUNT: Emission = Emission {
 const RANGE: Emission = Emission { label: "pelage.transparency.a_buffer.overflow_range", stage: 1, ..COUNT };
 const HISTOGRAM: Emission = Emission { label: "pelage.transparency.a_buffer.overflow_histogram", stage: 2, ..COUNT };
 const SCATTER: Emission = Emission { label: "pelage.transparency.a_buffer.scatter", stage: 3, ..COUNT };
-const LIST: Emission = Emission { label: "pelage.transparency.a_buffer.list", stage: 4, ..COUNT };
+const SCATTER_OVERFLOW: Emission =
+    Emission { label: "pelage.transparency.a_buffer.overflow_scatter", stage: 4, ..COUNT };
+const LIST: Emission = Emission { label: "pelage.transparency.a_buffer.list", stage: 5, ..COUNT };
 
+/// Workgroups that stride over the pixels: `OVERFLOW_STRIDE` / 64 in WGSL.
+const OVERFLOW_WORKGROUPS: u32 = 256;
 /// Rounds of the search for a pixel's share; each parts the depth range by four: 4⁵ = 1,024 depths a pixel.
 const SEARCH_ROUNDS: u32 = 5;
 
@@ -88,10 +92,10 @@ pub(crate) fn record(
         Storage::Counted => {
             raster::record(gpu, passes, bound, &COUNT, draw, plan)?;
             scan(gpu, passes, bound, band, plan, false)?;
-            if bound.can_overflow {
-                search(gpu, passes, bound, band, draw, plan)?;
-                scan(gpu, passes, bound, band, plan, true)?;
-            }
+            // Every pass from here to the scatter returns at once where the pool suffices.
+            search(gpu, passes, bound, band, draw, plan)?;
+            scan(gpu, passes, bound, band, plan, true)?;
+            raster::record(gpu, passes, bound, &SCATTER_OVERFLOW, draw, plan)?;
             raster::record(gpu, passes, bound, &SCATTER, draw, plan)?;
         }
     }
@@ -128,8 +132,7 @@ fn pixel_pass(
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, bound.frame, &[0, band.drawings[0], plan.runs[0].material]);
         pass.set_bind_group(3, bound.pixels_written, &[]);
-        let (x, y) = workgroups(plan.width * band.rows);
-        pass.dispatch_workgroups(x, y, 1);
+        pass.dispatch_workgroups(OVERFLOW_WORKGROUPS, 1, 1);
     });
     Ok(())
 }

@@ -78,7 +78,7 @@ impl Truth {
             height,
             ..Default::default()
         };
-        let framing = framing::frame(&camera, bounds, bounds)?;
+        let framing = framing::frame(&camera, bounds, DVec3::Z, bounds)?;
 
         let reference = pelage_reference::scene::Strands {
             points: strands
