@@ -70,13 +70,13 @@
 // No messages.
 #define PELAGE_LOG_OFF 0
 
-// Faults of the library and messages of the validation layer.
+// Faults of the library.
 #define PELAGE_LOG_ERROR 1
 
 // What a host should know: a fragment pool that was too small.
 #define PELAGE_LOG_WARN 2
 
-// What was chosen: the adapter.
+// Steps of the device's setup.
 #define PELAGE_LOG_INFO 3
 
 // For the library's developers.
@@ -186,7 +186,7 @@ typedef struct PelageContextDescriptor {
     uint32_t struct_size;
     // 1: take a software driver even where a GPU is present. 0 takes one only where there is nothing else.
     uint32_t force_software;
-    // 1: load Vulkan's validation layer where it is installed; its messages go to the log as errors.
+    // 1: load Vulkan's validation layer where it is installed; it writes what it finds to the standard output.
     uint32_t validation;
     // 0.
     uint32_t reserved;
