@@ -1,5 +1,11 @@
 //! All tests of the library as one binary.
 
 mod capi;
+mod common;
+mod composite;
 mod groom;
+mod raster;
 mod render;
+mod shaders;
+mod shading;
+mod transparency;

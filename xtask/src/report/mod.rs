@@ -16,7 +16,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::{Result, root};
 use ladder::{Case, SCENES};
-use row::Row;
 
 /// What is measured.
 #[derive(Debug, Clone, Args)]

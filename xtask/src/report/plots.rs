@@ -34,18 +34,20 @@ const AXES: [Axis; 2] = [
 ];
 
 /// Points of one colour: a technique with those settings that are words.
-type Series<'a> = BTreeMap<String, Vec<&'a Row>>;
+type Series<'a> = Vec<(String, Vec<&'a Row>)>;
 
 /// Writes `error_AXIS_SCENE_GROUP.svg`.
 pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
     let mut plots: BTreeMap<(&str, &str), Series> = BTreeMap::new();
     for row in rows {
-        plots
-            .entry((&row.scene, &row.group))
-            .or_default()
-            .entry(series(row))
-            .or_default()
-            .push(row);
+        let (name, plot) = (
+            series(row),
+            plots.entry((&row.scene, &row.group)).or_default(),
+        );
+        match plot.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, rows)) => rows.push(row),
+            None => plot.push((name, vec![row])),
+        }
     }
     for ((scene, group), series) in &plots {
         for axis in AXES {
@@ -84,11 +86,30 @@ fn series(row: &Row) -> String {
     row.technique.clone() + &parts.into_iter().flatten().collect::<String>()
 }
 
-/// A range around values, a little wider than they are.
+/// Pixels of a plot, and of the legend to its right.
+const SIZE: (u32, u32) = (880, 460);
+const LEGEND_WIDTH: u32 = 240;
+
+/// A range around values, from and to 1, 2 or 5 times a power of ten.
 fn around(values: impl Iterator<Item = f64> + Clone) -> std::ops::Range<f64> {
-    let low = values.clone().fold(f64::INFINITY, f64::min);
-    let high = values.fold(0.0, f64::max);
-    low / 1.3..high * 1.3
+    let steps = |value: f64| {
+        let power = 10.0_f64.powf(value.log10().floor());
+        [1.0, 2.0, 5.0, 10.0].map(|step| step * power)
+    };
+    let low = values.clone().fold(f64::INFINITY, f64::min) / 1.1;
+    let high = values.fold(0.0, f64::max) * 1.1;
+    let below = steps(low).into_iter().rfind(|step| *step <= low);
+    let above = steps(high).into_iter().find(|step| *step >= high);
+    below.unwrap_or(low)..above.unwrap_or(high)
+}
+
+/// Few digits: 0.01, 250, 2e-4.
+fn plain(value: &f64) -> String {
+    if *value < 0.01 {
+        return format!("{value:.0e}");
+    }
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn plot(
@@ -97,11 +118,12 @@ fn plot(
     axis: Axis,
     series: &Series,
 ) -> std::result::Result<(), Box<dyn std::error::Error>> {
-    let all = || series.values().flatten();
+    let all = || series.iter().flat_map(|(_, rows)| rows);
     let error = |row: &Row| row.error.rmse.max(LEAST_ERROR);
-    let root = SVGBackend::new(path, (760, 460)).into_drawing_area();
+    let root = SVGBackend::new(path, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
-    let mut chart = ChartBuilder::on(&root)
+    let (left, right) = root.split_horizontally(SIZE.0 - LEGEND_WIDTH);
+    let mut chart = ChartBuilder::on(&left)
         .caption(title, ("sans-serif", 18))
         .margin(12)
         .x_label_area_size(40)
@@ -110,22 +132,15 @@ fn plot(
             around(all().map(|row| (axis.value)(row))).log_scale(),
             around(all().map(|row| error(row))).log_scale(),
         )?;
-    let plain = |value: &f64| {
-        if *value < 0.01 {
-            format!("{value:.0e}")
-        } else {
-            format!("{value:.4}")
-                .trim_end_matches('0')
-                .trim_end_matches('.')
-                .to_owned()
-        }
-    };
     chart
         .configure_mesh()
         .x_desc(axis.name)
         .y_desc("RMSE")
+        .x_labels(20)
+        .y_labels(20)
         .x_label_formatter(&plain)
         .y_label_formatter(&plain)
+        .bold_line_style(BLACK.mix(0.15))
         .light_line_style(WHITE)
         .draw()?;
     for (number, (name, rows)) in series.iter().enumerate() {
@@ -139,20 +154,18 @@ fn plot(
             points.iter().copied(),
             colour.stroke_width(1),
         ))?;
-        chart
-            .draw_series(
-                points
-                    .iter()
-                    .map(|point| Circle::new(*point, 4, colour.filled())),
-            )?
-            .label(name)
-            .legend(move |(x, y)| Circle::new((x + 8, y), 4, colour.filled()));
+        let dots = points
+            .iter()
+            .map(|point| Circle::new(*point, 4, colour.filled()));
+        chart.draw_series(dots)?;
+        let line = 48 + 18 * number as i32;
+        right.draw(&Circle::new((6, line), 4, colour.filled()))?;
+        right.draw(&Text::new(
+            name.as_str(),
+            (16, line - 6),
+            ("sans-serif", 12),
+        ))?;
     }
-    chart
-        .configure_series_labels()
-        .border_style(BLACK.mix(0.3))
-        .background_style(WHITE.mix(0.8))
-        .draw()?;
     root.present()?;
     Ok(())
 }
