@@ -1,5 +1,6 @@
 //! pelage renders hair and fur inside other people's programs.
 
+pub mod capi;
 pub mod error;
 mod composite;
 mod frame;

@@ -1,5 +1,6 @@
 //! All tests of the library as one binary.
 
+mod capi;
 mod common;
 mod composite;
 mod groom;

@@ -12,7 +12,7 @@ use crate::statistics::Statistics;
 pub struct OffscreenOptions {
     /// Take a software adapter even where a GPU is present.
     pub force_software: bool,
-    /// Load the validation layer where it is installed; its messages go to the log as errors.
+    /// Load the validation layer where it is installed; it writes what it finds to the standard output.
     pub validation: bool,
 }
 
@@ -21,6 +21,7 @@ pub struct Offscreen {
     /// The renderer on this device.
     pub renderer: Renderer,
     info: wgpu::AdapterInfo,
+    pub(super) write_depth: Option<wgpu::RenderPipeline>,
 }
 
 /// An image to draw into, with an optional depth.
@@ -76,7 +77,7 @@ impl Offscreen {
             .await
             .map_err(|error| Error::Unsupported(format!("the adapter gives no device: {error}")))?;
         device.on_uncaptured_error(std::sync::Arc::new(|error| log::error!("{error}")));
-        Ok(Self { renderer: Renderer::new(&device, &queue)?, info: adapter.get_info() })
+        Ok(Self { renderer: Renderer::new(&device, &queue)?, info: adapter.get_info(), write_depth: None })
     }
 
     /// Name and driver of the adapter.
@@ -147,14 +148,23 @@ impl Offscreen {
         self.renderer.queue().submit([encoder.finish()]);
     }
 
+    /// Records and submits; does not wait.
+    ///
+    /// # Errors
+    /// As [`Renderer::record`]; nothing has then been submitted.
+    pub fn submit(&mut self, frame: &Frame, target: &Target) -> Result<()> {
+        let mut encoder = self.renderer.device().create_command_encoder(&Default::default());
+        self.renderer.record(&mut encoder, frame, target)?;
+        self.renderer.queue().submit([encoder.finish()]);
+        Ok(())
+    }
+
     /// Records, submits and waits; the frame's own statistics.
     ///
     /// # Errors
     /// As [`Renderer::record`]; a lost device.
     pub fn render(&mut self, frame: &Frame, target: &Target) -> Result<Statistics> {
-        let mut encoder = self.renderer.device().create_command_encoder(&Default::default());
-        self.renderer.record(&mut encoder, frame, target)?;
-        self.renderer.queue().submit([encoder.finish()]);
+        self.submit(frame, target)?;
         self.renderer.wait()?;
         Ok(self.renderer.statistics())
     }
@@ -164,18 +174,8 @@ impl Offscreen {
     /// # Errors
     /// An image of another format than the two of [`Image`]; a lost device.
     pub fn read_colour(&mut self, colour: &wgpu::Texture) -> Result<Vec<Vec4>> {
-        let bytes = self.read_texture(colour)?;
-        match colour.format() {
-            wgpu::TextureFormat::Rgba32Float => Ok(bytemuck::pod_collect_to_vec::<u8, f32>(&bytes)
-                .chunks_exact(4)
-                .map(Vec4::from_slice)
-                .collect()),
-            wgpu::TextureFormat::Rgba16Float => Ok(bytemuck::pod_collect_to_vec::<u8, u16>(&bytes)
-                .chunks_exact(4)
-                .map(|c| Vec4::from_array(std::array::from_fn(|i| half::f16::from_bits(c[i]).to_f32())))
-                .collect()),
-            format => invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float can be read"),
-        }
+        let readback = self.begin_read(colour)?;
+        self.finish_colour(&readback)
     }
 
     /// Reads a depth image back, row 0 at the top. Waits for the GPU.
@@ -183,50 +183,12 @@ impl Offscreen {
     /// # Errors
     /// An image of another format than `Depth32Float`; a lost device.
     pub fn read_depth(&mut self, depth: &wgpu::Texture) -> Result<Vec<f32>> {
-        if depth.format() != wgpu::TextureFormat::Depth32Float {
-            return invalid!("a depth of format {:?}; Depth32Float can be read", depth.format());
-        }
-        Ok(bytemuck::pod_collect_to_vec(&self.read_texture(depth)?))
+        let readback = self.begin_read(depth)?;
+        self.finish_depth(&readback)
     }
 
-    /// A texture's texels, rows packed.
-    fn read_texture(&mut self, texture: &wgpu::Texture) -> Result<Vec<u8>> {
-        let device = self.renderer.device();
-        let texel = texture.format().block_copy_size(Some(wgpu::TextureAspect::All)).unwrap_or(4);
-        let row = texture.width() * texel;
-        let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("pelage.image.read"),
-            size: u64::from(stride) * u64::from(texture.height()),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = device.create_command_encoder(&Default::default());
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride), rows_per_image: None },
-            },
-            texture.size(),
-        );
-        self.renderer.queue().submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver outlives the wait below.
-            sender.send(result).ok();
-        });
-        self.renderer.wait()?;
-        match receiver.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(Error::DeviceLost(error.to_string())),
-            Err(error) => return Err(Error::DeviceLost(error.to_string())),
-        }
-        let mapped = buffer.get_mapped_range(..).map_err(|error| Error::DeviceLost(error.to_string()))?;
-        Ok(mapped.chunks_exact(stride as usize).flat_map(|line| &line[..row as usize]).copied().collect())
-    }
-
-    /// Writes a colour image, row 0 at the top: the opaque scene under the hair.
+    /// Writes a colour image, row 0 at the top: the opaque scene under the hair. `Rgba16Float` holds ±65504 at most; what
+    /// is beyond is held at that.
     ///
     /// # Errors
     /// Another number of pixels than the image has; another format than the two of [`Image`].
@@ -236,7 +198,7 @@ impl Offscreen {
             wgpu::TextureFormat::Rgba16Float => pixels
                 .iter()
                 .flat_map(|p| p.to_array())
-                .flat_map(|v| half::f16::from_f32(v).to_bits().to_ne_bytes())
+                .flat_map(|v| half::f16::from_f32(v.clamp(-65504.0, 65504.0)).to_bits().to_ne_bytes())
                 .collect(),
             format => return invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float can be written"),
         };
@@ -244,7 +206,7 @@ impl Offscreen {
     }
 
     /// Copies packed rows into a texture.
-    fn write_texture(&mut self, texture: &wgpu::Texture, bytes: &[u8], count: usize) -> Result<()> {
+    pub(super) fn write_texture(&mut self, texture: &wgpu::Texture, bytes: &[u8], count: usize) -> Result<()> {
         let expected = texture.width() as usize * texture.height() as usize;
         if count != expected {
             return invalid!("{count} pixels for an image of {}×{}", texture.width(), texture.height());

@@ -1,0 +1,799 @@
+/*
+ * pelage: hair and fur, rendered inside other people's programs. Generated from src/capi; do not edit.
+ *
+ * RESULTS    Every call returns a PelageResult: PELAGE_OK, or what went wrong. After an error nothing has changed (what a
+ *            result would have been written to is as it was), and pelage_last_error() is one sentence that names the
+ *            value at fault. Nothing that is given here crashes the host, but for pointers to memory that is not there.
+ * HANDLES    PelageContext, PelageHair, PelageTarget and PelageReadback are ids that are never used again. A handle that
+ *            is NULL (all zero), stale, of another kind or of another context is PELAGE_INVALID_HANDLE.
+ * STRUCTS    Each begins with its struct_size; begin with its PELAGE_..._INIT, then set what differs:
+ *                PelageFrame frame = PELAGE_FRAME_INIT;
+ *            That holds for structs that a call fills, too. Fields are only ever appended within an ABI version, and
+ *            programs that were built against an older header keep working.
+ * POINTERS   Read or written during the call only, and not NULL unless their description allows it.
+ * THREADS    Every function may be called from any thread. Calls on one context, and on what was made on it, wait for
+ *            each other; contexts run beside each other.
+ * UNITS      Lengths in the host's units, angles in radians, colours linear RGB, matrices column-major, right-handed
+ *            world, clip depth 0 to 1, images row 0 at the top, alpha premultiplied.
+ */
+
+
+#ifndef PELAGE_H
+#define PELAGE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+// Major version of the header's library.
+#define PELAGE_VERSION_MAJOR 0
+
+// Minor version of the header's library.
+#define PELAGE_VERSION_MINOR 1
+
+// Patch version of the header's library.
+#define PELAGE_VERSION_PATCH 0
+
+// Version of the ABI. Programs built against it run with every library of the same number, which is that of the
+// library's file name too: `libpelage.so.0`.
+#define PELAGE_ABI_VERSION 0
+
+// Done.
+#define PELAGE_OK 0
+
+// A value is out of range, not finite, NULL where it must not be, or does not fit the others.
+#define PELAGE_INVALID_VALUE 1
+
+// Bytes of a file do not follow their format.
+#define PELAGE_INVALID_FILE 2
+
+// A handle is NULL, was destroyed, or belongs to something else.
+#define PELAGE_INVALID_HANDLE 3
+
+// Hairs of one frame wish for different techniques and the frame names none.
+#define PELAGE_CONFLICT 4
+
+// The adapter, the driver or a target cannot do what was asked.
+#define PELAGE_UNSUPPORTED 5
+
+// No memory was left, on the GPU or within the byte budget.
+#define PELAGE_OUT_OF_MEMORY 6
+
+// The device is lost. The context is dead; destroy it.
+#define PELAGE_DEVICE_LOST 7
+
+// A fault of the library itself.
+#define PELAGE_INTERNAL 8
+
+// A fault of the library itself, caught while it unwound. The context of the call is dead; destroy it.
+#define PELAGE_PANIC 9
+
+// No messages.
+#define PELAGE_LOG_OFF 0
+
+// Faults of the library.
+#define PELAGE_LOG_ERROR 1
+
+// What a host should know: a fragment pool that was too small.
+#define PELAGE_LOG_WARN 2
+
+// Steps of the device's setup.
+#define PELAGE_LOG_INFO 3
+
+// For the library's developers.
+#define PELAGE_LOG_DEBUG 4
+
+// For the library's developers, very much of it.
+#define PELAGE_LOG_TRACE 5
+
+// Bytes of a name in `PelageAdapter`, its NUL included.
+#define PELAGE_NAME_SIZE 256
+
+// Kajiya and Kay 1989.
+#define PELAGE_SHADING_KAJIYA_KAY 0
+
+// Every light reaches every fibre.
+#define PELAGE_SHADOW_NONE 0
+
+// Yuksel and Keyser 2008.
+#define PELAGE_SHADOW_DEEP_OPACITY_MAP 1
+
+// The nearest fragment's colour at the pixel's whole opacity.
+#define PELAGE_TRANSPARENCY_OPAQUE 0
+
+// Every fragment stored, sorted and composited.
+#define PELAGE_TRANSPARENCY_A_BUFFER 1
+
+// The library chooses.
+#define PELAGE_RASTER_AUTO 0
+
+// Camera-facing triangle strips.
+#define PELAGE_RASTER_RIBBONS 1
+
+// A compute pass that walks the pixels of each segment.
+#define PELAGE_RASTER_WALK 2
+
+// Fragments counted first, then stored side by side.
+#define PELAGE_STORAGE_COUNTED 0
+
+// Per-pixel linked lists.
+#define PELAGE_STORAGE_LISTS 1
+
+// Straight segments between the points.
+#define PELAGE_CURVE_POLYLINE 0
+
+// A uniform Catmull-Rom spline through every point.
+#define PELAGE_CURVE_CATMULL_ROM 1
+
+// The most points of all strands together.
+#define PELAGE_MAX_POINTS (1 << 28)
+
+// Long and straight, parted.
+#define PELAGE_BUILTIN_STRAIGHT 0
+
+// Long, with waves that each wisp shares.
+#define PELAGE_BUILTIN_WAVY 1
+
+// Shoulder-length helical locks.
+#define PELAGE_BUILTIN_CURLY 2
+
+// The number of strands that the built-in grooms are made for.
+#define PELAGE_BUILTIN_STRAND_COUNT 50000
+
+// Four 16-bit floats a pixel.
+#define PELAGE_FORMAT_RGBA16F 0
+
+// Four 32-bit floats a pixel; needs a device that can blend them.
+#define PELAGE_FORMAT_RGBA32F 1
+
+// Clip depth 1 is near and 0 far.
+#define PELAGE_VIEW_REVERSE_Z 1
+
+// A light so far away that its rays are parallel.
+#define PELAGE_LIGHT_DIRECTIONAL 0
+
+// A light at a point that shines in all directions.
+#define PELAGE_LIGHT_POINT 1
+
+// The most lights of a frame.
+#define PELAGE_MAX_LIGHTS 16
+
+// Clear the colour to transparent black first. Without it, hair is blended over what the colour holds.
+#define PELAGE_RENDER_CLEAR 1
+
+// Write the nearest hair's depth into the target's depth.
+#define PELAGE_RENDER_WRITE_DEPTH 2
+
+// Darken the opaque scene of the target by the hair's shadow.
+#define PELAGE_RENDER_RECEIVE_SHADOW 4
+
+// Bytes of a label, its NUL included.
+#define PELAGE_LABEL_SIZE 96
+
+// What a call returns: `PELAGE_OK`, or what went wrong. After an error nothing has changed, and `pelage_last_error`
+// says in one sentence what was wrong with which value.
+typedef uint32_t PelageResult;
+
+// Receives one message, UTF-8, valid for the length of the call; `user` is what was given with the callback.
+//
+// Called on any thread: mostly at the end of the `pelage_...` call that caused the message, when the library holds no lock,
+// so that it may call any function of the library but `pelage_set_log_callback`. What the library logs meanwhile on the
+// same thread is dropped. It must return: no exception, no longjmp.
+typedef void (*PelageLogCallback)(uint32_t level, const char *message, void *user);
+
+// How a context is made.
+typedef struct PelageContextDescriptor {
+    // `sizeof(PelageContextDescriptor)`.
+    uint32_t struct_size;
+    // 1: take a software driver even where a GPU is present. 0 takes one only where there is nothing else.
+    uint32_t force_software;
+    // 1: load Vulkan's validation layer where it is installed; it writes what it finds to the standard output.
+    uint32_t validation;
+    // 0.
+    uint32_t reserved;
+    // Bytes of GPU memory that the context may take beside its targets; 0 for no limit.
+    uint64_t byte_budget;
+} PelageContextDescriptor;
+
+// A device with everything made on it. All zero: no context.
+typedef struct PelageContext {
+    // Opaque; 0 is NULL.
+    uint64_t id;
+} PelageContext;
+
+// What a context runs on.
+typedef struct PelageAdapter {
+    // `sizeof(PelageAdapter)`.
+    uint32_t struct_size;
+    // 1 for a software driver.
+    uint32_t software;
+    // The device's name, UTF-8, ended by a NUL, cut off where it is too long.
+    char name[PELAGE_NAME_SIZE];
+    // The driver's name and version, likewise.
+    char driver[PELAGE_NAME_SIZE];
+} PelageAdapter;
+
+// Strands as arrays, which are copied. Lengths are in the host's units, in the groom's own space.
+//
+// A strand has at least one point, its root first; one of a single point is kept and draws nothing. There may be no
+// strands at all.
+typedef struct PelageStrands {
+    // `sizeof(PelageStrands)`.
+    uint32_t struct_size;
+    // `PELAGE_CURVE_...`: how the points make a curve.
+    uint32_t curve;
+    // Three floats a point, strand after strand; finite.
+    const float *positions;
+    // The number of points, at most `PELAGE_MAX_POINTS`.
+    uint64_t point_count;
+    // Points of each strand, at least 1; they sum to `point_count`.
+    const uint32_t *counts;
+    // The number of strands.
+    uint64_t strand_count;
+    // One radius a point, finite and at least 0; NULL: from `root_radius` to `tip_radius`.
+    const float *radii;
+    // Three floats a strand, linear RGB factors, finite and at least 0; NULL: white.
+    const float *colours;
+    // One coordinate a point, from 0 at the root to 1 at the tip, not falling along a strand; NULL: by arc length.
+    const float *coordinates;
+    // Radius at the root, at least 0; read where `radii` is NULL.
+    float root_radius;
+    // Radius at the tip, at least 0; read where `radii` is NULL. Runs linearly in the coordinate.
+    float tip_radius;
+} PelageStrands;
+
+// A groom on the GPU, with how it is to be drawn. All zero: no hair.
+typedef struct PelageHair {
+    // Opaque; 0 is NULL.
+    uint64_t id;
+} PelageHair;
+
+// How the triangles between guides are filled.
+typedef struct PelageInterpolationSettings {
+    // `sizeof(PelageInterpolationSettings)`.
+    uint32_t struct_size;
+    // Another seed, another groom of the same kind.
+    uint32_t seed;
+    // Three guide numbers a triangle: the mesh whose vertices are the guides' roots.
+    const uint32_t *triangles;
+    // The number of triangles.
+    uint64_t triangle_count;
+    // Strands per unit of area, in host units; at least 0. A scalp has 200 to 300 a square centimetre.
+    float density;
+    // How closely tips gather at the nearest guide: 0 spreads them over the triangle, 1 puts them on the guide.
+    float clump;
+    // The fraction of the strands that leave their clump, 0 to 1.
+    float stray_fraction;
+    // How far a stray's tip is displaced at most, as a fraction of the strand's length; at least 0.
+    float stray_strength;
+} PelageInterpolationSettings;
+
+// How each guide is surrounded by followers.
+typedef struct PelageClumpSettings {
+    // `sizeof(PelageClumpSettings)`.
+    uint32_t struct_size;
+    // Another seed, another groom of the same kind.
+    uint32_t seed;
+    // Strands that are added to each guide.
+    uint32_t followers;
+    // Radius of the disc in which the followers' roots lie, in host units; at least 0.
+    float root_radius;
+    // The disc's radius at the tip over that at the root; at least 0.
+    float tip_factor;
+    // The fraction of the strands that leave their clump, 0 to 1.
+    float stray_fraction;
+    // How far a stray's tip is displaced at most, as a fraction of the strand's length; at least 0.
+    float stray_strength;
+    // 0.
+    uint32_t reserved;
+} PelageClumpSettings;
+
+// A hair file in memory: Cem Yuksel's `.hair`, or AMD TressFX's `.tfx` of versions 3 and 4.
+typedef struct PelageFile {
+    // `sizeof(PelageFile)`.
+    uint32_t struct_size;
+    // `PELAGE_CURVE_...`: how the file's points make a curve; the formats do not say.
+    uint32_t curve;
+    // The file's bytes. Read during the call only.
+    const void *bytes;
+    // The number of bytes.
+    uint64_t size;
+    // Radius at the root, in the file's units, in place of the file's own radii; 0, with `tip_radius`: the file's, or
+    // where it has none (TressFX) what fits the groom's size.
+    float root_radius;
+    // Radius at the tip, likewise.
+    float tip_radius;
+} PelageFile;
+
+// What a hair is made of.
+typedef struct PelageHairInfo {
+    // `sizeof(PelageHairInfo)`.
+    uint32_t struct_size;
+    // `PELAGE_CURVE_...`.
+    uint32_t curve;
+    // The number of strands.
+    uint64_t strand_count;
+    // The number of points, of all strands together.
+    uint64_t point_count;
+    // The lowest corner of the box around all points, in the groom's own space; zero where there are none.
+    float low[3];
+    // The highest corner.
+    float high[3];
+} PelageHairInfo;
+
+// Kajiya and Kay's diffuse and specular lobes.
+typedef struct PelageKajiyaKay {
+    // `sizeof(PelageKajiyaKay)`.
+    uint32_t struct_size;
+    // Diffuse coefficient, linear RGB, at least 0; multiplies each strand's own colour. About 1/pi for a light fibre.
+    float diffuse[3];
+    // Specular coefficient, linear RGB, at least 0.
+    float specular[3];
+    // The specular lobe's exponent, from 1 to 100000.
+    float exponent;
+} PelageKajiyaKay;
+
+// A shading model with its parameters.
+typedef struct PelageShading {
+    // `sizeof(PelageShading)`.
+    uint32_t struct_size;
+    // `PELAGE_SHADING_...`.
+    uint32_t model;
+    // For `PELAGE_SHADING_KAJIYA_KAY`; NULL: as `PELAGE_KAJIYA_KAY_INIT`.
+    const struct PelageKajiyaKay *kajiya_kay;
+} PelageShading;
+
+// Settings of the deep opacity map.
+typedef struct PelageDeepOpacityMap {
+    // `sizeof(PelageDeepOpacityMap)`.
+    uint32_t struct_size;
+    // Texels a side, from 16 to 8192.
+    uint32_t resolution;
+    // Layers, from 1 to 64.
+    uint32_t layers;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // Depth behind the front at which the last layer ends, as a part of the hair's extent along the light, above 0 and
+    // up to 1. What lies deeper counts in the last layer.
+    float depth;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageDeepOpacityMap;
+
+// A shadow technique with its settings.
+typedef struct PelageShadow {
+    // `sizeof(PelageShadow)`.
+    uint32_t struct_size;
+    // `PELAGE_SHADOW_...`.
+    uint32_t technique;
+    // For `PELAGE_SHADOW_DEEP_OPACITY_MAP`; NULL: as `PELAGE_DEEP_OPACITY_MAP_INIT`.
+    const struct PelageDeepOpacityMap *deep_opacity_map;
+} PelageShadow;
+
+// Settings of the opaque technique.
+typedef struct PelageOpaque {
+    // `sizeof(PelageOpaque)`.
+    uint32_t struct_size;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageOpaque;
+
+// Settings of the A-buffer.
+typedef struct PelageABuffer {
+    // `sizeof(PelageABuffer)`.
+    uint32_t struct_size;
+    // `PELAGE_STORAGE_...`.
+    uint32_t storage;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // 0.
+    uint32_t reserved;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageABuffer;
+
+// A transparency technique with its settings.
+typedef struct PelageTransparency {
+    // `sizeof(PelageTransparency)`.
+    uint32_t struct_size;
+    // `PELAGE_TRANSPARENCY_...`.
+    uint32_t technique;
+    // For `PELAGE_TRANSPARENCY_OPAQUE`; NULL: as `PELAGE_OPAQUE_INIT`.
+    const struct PelageOpaque *opaque;
+    // For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
+    const struct PelageABuffer *a_buffer;
+} PelageTransparency;
+
+// How a target is made.
+typedef struct PelageTargetDescriptor {
+    // `sizeof(PelageTargetDescriptor)`.
+    uint32_t struct_size;
+    // Width in pixels, at least 1 and at most what the device takes (8192 or more).
+    uint32_t width;
+    // Height in pixels, likewise.
+    uint32_t height;
+    // `PELAGE_FORMAT_...` of the colour: linear, premultiplied.
+    uint32_t format;
+    // 1: with a depth, of 32-bit floats, for an opaque scene that hides hair.
+    uint32_t with_depth;
+    // 0.
+    uint32_t reserved;
+} PelageTargetDescriptor;
+
+// An image to draw into, with an optional depth. All zero: no target.
+typedef struct PelageTarget {
+    // Opaque; 0 is NULL.
+    uint64_t id;
+} PelageTarget;
+
+// An image on its way back from the GPU. All zero: no readback.
+typedef struct PelageReadback {
+    // Opaque; 0 is NULL.
+    uint64_t id;
+} PelageReadback;
+
+// A camera. Right-handed world, clip depth from 0 to 1, row 0 of the image at the top.
+//
+// World coordinates may be large: the matrices are composed in double precision.
+typedef struct PelageView {
+    // `sizeof(PelageView)`.
+    uint32_t struct_size;
+    // Any of `PELAGE_VIEW_...`, or 0.
+    uint32_t flags;
+    // Camera space from world space, column-major; the camera looks along -z. Can be inverted.
+    double view_from_world[16];
+    // Clip space from camera space, column-major. Can be inverted.
+    double clip_from_view[16];
+} PelageView;
+
+// One light.
+typedef struct PelageLight {
+    // `sizeof(PelageLight)`.
+    uint32_t struct_size;
+    // `PELAGE_LIGHT_...`.
+    uint32_t kind;
+    // Of a directional light: the way it travels, in world space; any length but zero.
+    double direction[3];
+    // Of a point light: world space, host units.
+    double position[3];
+    // Linear RGB, at least 0. Of a directional light: irradiance on a plane that faces it. Of a point light: radiant
+    // intensity, that is irradiance times squared distance.
+    float power[3];
+    // 0.
+    uint32_t reserved;
+    // How hair shadows this light; NULL: as the frame's hairs wish.
+    const struct PelageShadow *shadow;
+} PelageLight;
+
+// What one frame draws. Read during the call only.
+typedef struct PelageFrame {
+    // `sizeof(PelageFrame)`.
+    uint32_t struct_size;
+    // The number of hairs.
+    uint32_t hair_count;
+    // The hairs, each once; they sort and shadow against each other.
+    const struct PelageHair *hairs;
+    // The lights, each begun with `PELAGE_LIGHT_INIT`.
+    const struct PelageLight *lights;
+    // From where, and through which lens. Not NULL.
+    const struct PelageView *view;
+    // The transparency technique; NULL: what all hairs wish for.
+    const struct PelageTransparency *transparency;
+    // The number of lights, at most `PELAGE_MAX_LIGHTS`.
+    uint32_t light_count;
+    // Radiance of a uniform environment, linear RGB, at least 0; it reaches every fibre unshadowed.
+    float ambient[3];
+} PelageFrame;
+
+// What a frame did, and what a context holds.
+typedef struct PelageStatistics {
+    // `sizeof(PelageStatistics)`.
+    uint32_t struct_size;
+    // 0.
+    uint32_t reserved;
+    // Strands drawn by the latest frame.
+    uint64_t strands;
+    // Segments drawn by the latest frame, after curves were cut into straight ones.
+    uint64_t segments;
+    // Fragments that the rasteriser found within the view's depth range, like all counts of fragments below of the latest
+    // frame whose counters have come back: after `pelage_wait`, the latest.
+    uint64_t fragments_produced;
+    // Of these, dropped before they were stored, since they cannot be seen.
+    uint64_t fragments_culled;
+    // Stored one by one.
+    uint64_t fragments_stored;
+    // Merged into a pixel's tail, since the pool was too small.
+    uint64_t fragments_merged;
+    // Pixels that hold a fragment; counted arrays only, 0 elsewhere.
+    uint64_t covered_pixels;
+    // Bytes of GPU memory that the context holds beside its targets.
+    uint64_t bytes_total;
+    // The largest `bytes_total` so far.
+    uint64_t bytes_peak;
+} PelageStatistics;
+
+// GPU memory held under one label. Never grows.
+typedef struct PelageLabelBytes {
+    // What the memory is for, ended by a NUL.
+    char label[PELAGE_LABEL_SIZE];
+    // Bytes.
+    uint64_t bytes;
+} PelageLabelBytes;
+
+// The time of one pass. Never grows.
+typedef struct PelagePassTime {
+    // The pass's label, as GPU debuggers show it too, ended by a NUL.
+    char label[PELAGE_LABEL_SIZE];
+    // Milliseconds from its submission to the GPU's end.
+    double ms;
+} PelagePassTime;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// The version of the library that is linked, as "major.minor.patch". Cannot fail; any thread; valid for ever.
+const char *pelage_version(void);
+
+// The ABI's version of the library that is linked: to be compared with `PELAGE_ABI_VERSION`. Cannot fail; any thread.
+uint32_t pelage_abi_version(void);
+
+// The sentence of the latest call on this thread that failed; empty if none has. It names the value at fault.
+//
+// UTF-8, valid until the next failing call on the same thread; never NULL. Calls that succeed keep it. Cannot fail;
+// takes no lock, so that it may be called from the log callback too (where it is still the sentence of an earlier call).
+const char *pelage_last_error(void);
+
+// Sets the callback that receives the log of the whole process up to `level` (`PELAGE_LOG_...`); NULL, the default, for
+// none. There is one: a new one replaces it.
+//
+// When it returns, the old callback is running on no thread and will not be called again. It therefore waits for one that
+// runs: do not call it with a lock held for which the callback waits. Any thread.
+//
+// Errors: an unknown level; a call from within the callback; a Rust host that has set a logger of its own
+// (`PELAGE_UNSUPPORTED`).
+PelageResult pelage_set_log_callback(uint32_t level,
+                                     PelageLogCallback callback,
+                                     void *user);
+
+// Opens a device and makes a context on it, which `*context` receives.
+//
+// Calls on one context, and on what was made on it, may come from any thread and wait for each other; contexts run beside
+// each other.
+//
+// Errors: `PELAGE_UNSUPPORTED` where there is no Vulkan driver, or one that falls short.
+PelageResult pelage_context_create(const struct PelageContextDescriptor *descriptor,
+                                   struct PelageContext *context);
+
+// Destroys a context with all its hairs, targets and readbacks, whose handles are stale from then on. Waits for calls on
+// it that run on other threads.
+PelageResult pelage_context_destroy(struct PelageContext context);
+
+// Says what a context runs on.
+PelageResult pelage_context_adapter(struct PelageContext context, struct PelageAdapter *adapter);
+
+// Limits the GPU memory that a context takes beside its targets to `bytes`; 0 lifts the limit. What it holds is kept.
+PelageResult pelage_context_set_byte_budget(struct PelageContext context, uint64_t bytes);
+
+// Waits until the GPU has done all that was asked of it on a context. Other calls on the context wait too.
+//
+// Errors: `PELAGE_DEVICE_LOST`.
+PelageResult pelage_wait(struct PelageContext context);
+
+// Makes a hair of strands: default shading, fully opaque fibres, no wishes, and the identity for its transform.
+//
+// Errors: a value out of its range, named by strand and point; no memory.
+PelageResult pelage_hair_create_from_strands(struct PelageContext context,
+                                             const struct PelageStrands *strands,
+                                             struct PelageHair *hair);
+
+// Makes a hair of many strands between few guides that grow from a mesh. The guides themselves are not among them.
+//
+// A triangle gets area times density strands, each a blend of its three guides.
+//
+// Errors: as `pelage_hair_create_from_strands`; a triangle that names no guide; guides without triangles; more than 2^24
+// strands to be expected.
+PelageResult pelage_hair_create_interpolated_on_mesh(struct PelageContext context,
+                                                     const struct PelageStrands *guides,
+                                                     const struct PelageInterpolationSettings *settings,
+                                                     struct PelageHair *hair);
+
+// Makes a hair of guides, each with followers around it; no mesh is needed. A guide comes first, then its followers.
+//
+// Errors: as `pelage_hair_create_from_strands`; more than 2^24 strands.
+PelageResult pelage_hair_create_interpolated_clumps(struct PelageContext context,
+                                                    const struct PelageStrands *guides,
+                                                    const struct PelageClumpSettings *settings,
+                                                    struct PelageHair *hair);
+
+// Makes a hair of a file in memory.
+//
+// Errors: `PELAGE_INVALID_FILE` for bytes that are neither format, truncated or corrupt; a radius out of its range.
+PelageResult pelage_hair_create_from_file(struct PelageContext context,
+                                          const struct PelageFile *file,
+                                          struct PelageHair *hair);
+
+// Makes a hair out of nothing: `strand_count` strands (0 to about 2^23) of a built-in groom (`PELAGE_BUILTIN_...`) on a
+// head-shaped scalp, in metres, +y up, the face towards +z, the origin between the ears. The same on every call.
+//
+// Errors: an unknown groom; too many strands.
+PelageResult pelage_hair_create_builtin(struct PelageContext context,
+                                        uint32_t groom,
+                                        uint64_t strand_count,
+                                        struct PelageHair *hair);
+
+// Destroys a hair. Frames that were rendered with it are not touched.
+PelageResult pelage_hair_destroy(struct PelageHair hair);
+
+// Says what a hair is made of.
+PelageResult pelage_hair_info(struct PelageHair hair, struct PelageHairInfo *info);
+
+// Copies a hair's positions, as they were given last, into `positions`: three floats a point, `size` bytes in all, which
+// must be 12 times the number of points.
+PelageResult pelage_hair_points(struct PelageHair hair,
+                                float *positions,
+                                uint64_t size);
+
+// Moves a hair: replaces every position by three floats of `positions` a point, `point_count` points, as many as the hair
+// has. Takes effect with the next frame rendered.
+//
+// Errors: another number of points; a position that is not finite.
+PelageResult pelage_hair_update_points(struct PelageHair hair,
+                                       const float *positions,
+                                       uint64_t point_count);
+
+// Places a hair: `world_from_object`, 16 doubles, column-major, an affine transform that can be inverted.
+PelageResult pelage_hair_set_transform(struct PelageHair hair, const double *world_from_object);
+
+// Sets the fibres' own opacity, from 0 to 1.
+PelageResult pelage_hair_set_opacity(struct PelageHair hair, float opacity);
+
+// Sets a hair's shading model.
+PelageResult pelage_hair_set_shading(struct PelageHair hair, const struct PelageShading *shading);
+
+// Sets the shadow technique that a hair wishes for lights that name none; NULL: no wish. Where no hair has one, lights
+// are shadowed as `PELAGE_SHADOW_INIT` says.
+PelageResult pelage_hair_set_shadow(struct PelageHair hair, const struct PelageShadow *shadow);
+
+// Sets the transparency technique that a hair wishes for frames that name none; NULL: no wish. Where no hair has one,
+// frames are drawn as `PELAGE_TRANSPARENCY_INIT` says.
+PelageResult pelage_hair_set_transparency(struct PelageHair hair, const struct PelageTransparency *transparency);
+
+// Makes a target: its colour transparent black, its depth, if it has one, 1.
+//
+// Errors: a size of zero or beyond the device's largest; an unknown format; no memory.
+PelageResult pelage_target_create(struct PelageContext context,
+                                  const struct PelageTargetDescriptor *descriptor,
+                                  struct PelageTarget *target);
+
+// Destroys a target. Readbacks of it are not touched.
+PelageResult pelage_target_destroy(struct PelageTarget target);
+
+// Writes a target's colour: the opaque scene under the hair. Four floats a pixel whatever the format, row 0 at the top,
+// `size` bytes in all: 16 times width times height. 16-bit floats hold 65504 at most; what is beyond is held at that.
+//
+// Errors: another size; a value that is not finite.
+PelageResult pelage_target_write_colour(struct PelageTarget target, const float *pixels, uint64_t size);
+
+// Writes a target's depth: what of the opaque scene hides hair. One float a pixel, 0 to 1, row 0 at the top, `size`
+// bytes in all: 4 times width times height.
+//
+// Errors: a target without a depth; another size; a value outside 0 to 1.
+PelageResult pelage_target_write_depth(struct PelageTarget target, const float *depths, uint64_t size);
+
+// Reads a target's colour as it is after all rendering so far, into `pixels`: four floats a pixel whatever the format,
+// row 0 at the top, `size` bytes in all: 16 times width times height. Waits for the GPU; see `pelage_readback_begin_colour`.
+//
+// Errors: another size; `PELAGE_DEVICE_LOST`.
+PelageResult pelage_target_read_colour(struct PelageTarget target,
+                                       float *pixels,
+                                       uint64_t size);
+
+// Reads a target's depth as it is after all rendering so far, into `depths`: one float a pixel, row 0 at the top, `size`
+// bytes in all: 4 times width times height. Waits for the GPU; see `pelage_readback_begin_depth`.
+//
+// Errors: a target without a depth; another size; `PELAGE_DEVICE_LOST`.
+PelageResult pelage_target_read_depth(struct PelageTarget target,
+                                      float *depths,
+                                      uint64_t size);
+
+// Sends a copy of a target's colour, as it is after all rendering so far, on its way to the host. Does not wait.
+//
+// Errors: an image larger than the device's largest buffer; no memory.
+PelageResult pelage_readback_begin_colour(struct PelageTarget target, struct PelageReadback *readback);
+
+// Sends a copy of a target's depth on its way to the host; see `pelage_readback_begin_colour`.
+//
+// Errors: a target without a depth; likewise.
+PelageResult pelage_readback_begin_depth(struct PelageTarget target, struct PelageReadback *readback);
+
+// Sets `*arrived` to 1 if the image has arrived, else to 0. Does not wait for the GPU.
+//
+// Errors: `PELAGE_DEVICE_LOST`.
+PelageResult pelage_readback_poll(struct PelageReadback readback, uint32_t *arrived);
+
+// Copies the image into `values`: of a colour four floats a pixel, of a depth one, row 0 at the top, `size` bytes in all.
+// Waits for it if it has not arrived. May be called again.
+//
+// Errors: another size; `PELAGE_DEVICE_LOST`.
+PelageResult pelage_readback_copy(struct PelageReadback readback,
+                                  float *values,
+                                  uint64_t size);
+
+// Destroys a readback, whether the image has arrived or not.
+PelageResult pelage_readback_destroy(struct PelageReadback readback);
+
+// Fills `*view`, begun with `PELAGE_VIEW_INIT`, with a perspective view from `eye` towards `target` (three doubles each,
+// world space). `up` is not parallel to the way from eye to target; `vertical_fov` is in radians, above 0 and below pi;
+// `aspect` is width over height; clip depth is 0 at `near_plane` and 1 at `far_plane`, both distances above 0.
+//
+// Errors: values that are not finite or make no view.
+PelageResult pelage_view_perspective(const double *eye,
+                                     const double *target,
+                                     const double *up,
+                                     double vertical_fov,
+                                     double aspect,
+                                     double near_plane,
+                                     double far_plane,
+                                     struct PelageView *view);
+
+// Renders a frame into a target of the same context: the target's depth, if it has one, hides hair. `flags`: any of
+// `PELAGE_RENDER_...`, or 0. Gives the work to the GPU and does not wait for it; what reads the target afterwards does.
+//
+// Errors: a value out of its range; hairs that wish for different techniques (`PELAGE_CONFLICT`);
+// `PELAGE_RENDER_WRITE_DEPTH` or `PELAGE_RENDER_RECEIVE_SHADOW` without a depth; no memory. Nothing is then drawn.
+PelageResult pelage_render(struct PelageContext context,
+                           const struct PelageFrame *frame,
+                           struct PelageTarget target,
+                           uint32_t flags);
+
+// As `pelage_render`, but gives pass after pass to the GPU, waits for each, and keeps their times for
+// `pelage_pass_times`. Slower by the waits.
+PelageResult pelage_render_timed(struct PelageContext context,
+                                 const struct PelageFrame *frame,
+                                 struct PelageTarget target,
+                                 uint32_t flags);
+
+// Says what the latest frame did, and what the context holds, in `*statistics`, begun with `PELAGE_STATISTICS_INIT`.
+// Does not wait.
+PelageResult pelage_statistics(struct PelageContext context, struct PelageStatistics *statistics);
+
+// Lists the GPU memory that a context holds beside its targets, by label: fills at most `capacity` entries and sets
+// `*count` to how many there are. `entries` may be NULL if `capacity` is 0.
+PelageResult pelage_bytes_by_label(struct PelageContext context,
+                                   uint64_t capacity,
+                                   struct PelageLabelBytes *entries,
+                                   uint64_t *count);
+
+// Lists the passes of a context's latest `pelage_render_timed`, in their order: fills at most `capacity` entries and sets
+// `*count` to how many there are, 0 if there was no such frame. `entries` may be NULL if `capacity` is 0.
+PelageResult pelage_pass_times(struct PelageContext context,
+                               uint64_t capacity,
+                               struct PelagePassTime *entries,
+                               uint64_t *count);
+
+/* What structs begin with. */
+#define PELAGE_CONTEXT_DESCRIPTOR_INIT { sizeof(PelageContextDescriptor), 0, 0, 0, 0 }
+#define PELAGE_ADAPTER_INIT { sizeof(PelageAdapter), 0, { 0 }, { 0 } }
+#define PELAGE_STRANDS_INIT { sizeof(PelageStrands), 0, NULL, 0, NULL, 0, NULL, NULL, NULL, 0.0f, 0.0f }
+#define PELAGE_INTERPOLATION_SETTINGS_INIT { sizeof(PelageInterpolationSettings), 0, NULL, 0, 0.0f, 0.75f, 0.0f, 0.0f }
+#define PELAGE_CLUMP_SETTINGS_INIT { sizeof(PelageClumpSettings), 0, 4, 0.0f, 0.5f, 0.0f, 0.0f, 0 }
+#define PELAGE_FILE_INIT { sizeof(PelageFile), 0, NULL, 0, 0.0f, 0.0f }
+#define PELAGE_HAIR_INFO_INIT { sizeof(PelageHairInfo), 0, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }
+#define PELAGE_KAJIYA_KAY_INIT { sizeof(PelageKajiyaKay), { 0.2324944f, 0.18368948f, 0.09059402f }, { 0.09f, 0.09f, 0.09f }, 60.0f }
+#define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL }
+#define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 3, 0.5f, 0 }
+#define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
+#define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
+#define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL }
+#define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 } }
+#define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
+#define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }
+#define PELAGE_TARGET_DESCRIPTOR_INIT { sizeof(PelageTargetDescriptor), 0, 0, 0, 0, 0 }
+#define PELAGE_STATISTICS_INIT { sizeof(PelageStatistics), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* PELAGE_H */

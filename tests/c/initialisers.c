@@ -1,0 +1,41 @@
+/* Prints every initialiser's bytes, for the test to compare with the library's own defaults. */
+#include <stdio.h>
+
+#include "pelage.h"
+
+static void print(const char *name, const void *bytes, size_t size) {
+    printf("%s ", name);
+    for (size_t at = 0; at < size; at++) {
+        printf("%02x", ((const unsigned char *)bytes)[at]);
+    }
+    printf("\n");
+}
+
+#define PRINT(type, initialiser)           \
+    do {                                   \
+        type value = initialiser;          \
+        print(#type, &value, sizeof value); \
+    } while (0)
+
+int main(void) {
+    PRINT(PelageContextDescriptor, PELAGE_CONTEXT_DESCRIPTOR_INIT);
+    PRINT(PelageAdapter, PELAGE_ADAPTER_INIT);
+    PRINT(PelageStrands, PELAGE_STRANDS_INIT);
+    PRINT(PelageInterpolationSettings, PELAGE_INTERPOLATION_SETTINGS_INIT);
+    PRINT(PelageClumpSettings, PELAGE_CLUMP_SETTINGS_INIT);
+    PRINT(PelageFile, PELAGE_FILE_INIT);
+    PRINT(PelageHairInfo, PELAGE_HAIR_INFO_INIT);
+    PRINT(PelageKajiyaKay, PELAGE_KAJIYA_KAY_INIT);
+    PRINT(PelageShading, PELAGE_SHADING_INIT);
+    PRINT(PelageDeepOpacityMap, PELAGE_DEEP_OPACITY_MAP_INIT);
+    PRINT(PelageShadow, PELAGE_SHADOW_INIT);
+    PRINT(PelageOpaque, PELAGE_OPAQUE_INIT);
+    PRINT(PelageABuffer, PELAGE_A_BUFFER_INIT);
+    PRINT(PelageTransparency, PELAGE_TRANSPARENCY_INIT);
+    PRINT(PelageView, PELAGE_VIEW_INIT);
+    PRINT(PelageLight, PELAGE_LIGHT_INIT);
+    PRINT(PelageFrame, PELAGE_FRAME_INIT);
+    PRINT(PelageTargetDescriptor, PELAGE_TARGET_DESCRIPTOR_INIT);
+    PRINT(PelageStatistics, PELAGE_STATISTICS_INIT);
+    return 0;
+}

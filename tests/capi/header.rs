@@ -1,0 +1,283 @@
+//! `include/pelage.h` is what `src/capi` says.
+
+use std::path::Path;
+
+use pelage::capi::*;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A fresh header.
+fn generate() -> String {
+    let config = cbindgen::Config::from_file(root().join("cbindgen.toml")).unwrap();
+    let builder = cbindgen::Builder::new()
+        .with_config(config)
+        .with_src(root().join("src/capi/mod.rs"));
+    let mut text = Vec::new();
+    builder.generate().unwrap().write(&mut text);
+    let end = "#ifdef __cplusplus\n}";
+    let initialisers = format!("{}\n{end}", initialisers());
+    String::from_utf8(text)
+        .unwrap()
+        .replace('…', "...")
+        .replace(end, &initialisers)
+}
+
+#[test]
+fn the_committed_header_is_what_the_source_says() {
+    let path = root().join("include/pelage.h");
+    let fresh = generate();
+    if std::env::var_os("PELAGE_BLESS").is_some() {
+        std::fs::create_dir_all(root().join("include")).unwrap();
+        std::fs::write(&path, &fresh).unwrap();
+    }
+    let committed = std::fs::read_to_string(&path).unwrap_or_default();
+    if let Some((at, (old, new))) = committed
+        .lines()
+        .zip(fresh.lines())
+        .enumerate()
+        .find(|(_, (old, new))| old != new)
+    {
+        panic!(
+            "include/pelage.h, line {}:\n- {old}\n+ {new}\nRun PELAGE_BLESS=1 cargo test header to write it.",
+            at + 1
+        );
+    }
+    assert!(
+        committed == fresh,
+        "include/pelage.h has another length: run PELAGE_BLESS=1 cargo test header to write it"
+    );
+}
+
+/// The macros with which C programs begin their structs, from the structs' defaults.
+fn initialisers() -> String {
+    let mut text = String::from("/* What structs begin with. */\n");
+    let mut macros = |name: &str, macro_name: &str, fields: &[String]| {
+        text += &format!(
+            "#define {macro_name} {{ sizeof({name}), {} }}\n",
+            fields.join(", ")
+        );
+    };
+    macro_rules! initialiser {
+        ($type:ident, $macro:literal, $($field:ident),*) => {
+            let value = $type::default();
+            macros(stringify!($type), $macro, &[$(value.$field.c()),*]);
+        };
+    }
+    initialiser!(
+        PelageContextDescriptor,
+        "PELAGE_CONTEXT_DESCRIPTOR_INIT",
+        force_software,
+        validation,
+        reserved,
+        byte_budget
+    );
+    initialiser!(PelageAdapter, "PELAGE_ADAPTER_INIT", software, name, driver);
+    initialiser!(
+        PelageStrands,
+        "PELAGE_STRANDS_INIT",
+        curve,
+        positions,
+        point_count,
+        counts,
+        strand_count,
+        radii,
+        colours,
+        coordinates,
+        root_radius,
+        tip_radius
+    );
+    initialiser!(
+        PelageInterpolationSettings,
+        "PELAGE_INTERPOLATION_SETTINGS_INIT",
+        seed,
+        triangles,
+        triangle_count,
+        density,
+        clump,
+        stray_fraction,
+        stray_strength
+    );
+    initialiser!(
+        PelageClumpSettings,
+        "PELAGE_CLUMP_SETTINGS_INIT",
+        seed,
+        followers,
+        root_radius,
+        tip_factor,
+        stray_fraction,
+        stray_strength,
+        reserved
+    );
+    initialiser!(
+        PelageFile,
+        "PELAGE_FILE_INIT",
+        curve,
+        bytes,
+        size,
+        root_radius,
+        tip_radius
+    );
+    initialiser!(
+        PelageHairInfo,
+        "PELAGE_HAIR_INFO_INIT",
+        curve,
+        strand_count,
+        point_count,
+        low,
+        high
+    );
+    initialiser!(
+        PelageKajiyaKay,
+        "PELAGE_KAJIYA_KAY_INIT",
+        diffuse,
+        specular,
+        exponent
+    );
+    initialiser!(PelageShading, "PELAGE_SHADING_INIT", model, kajiya_kay);
+    initialiser!(
+        PelageDeepOpacityMap,
+        "PELAGE_DEEP_OPACITY_MAP_INIT",
+        resolution,
+        layers,
+        pcf,
+        depth,
+        raster
+    );
+    initialiser!(
+        PelageShadow,
+        "PELAGE_SHADOW_INIT",
+        technique,
+        deep_opacity_map
+    );
+    initialiser!(PelageOpaque, "PELAGE_OPAQUE_INIT", raster);
+    initialiser!(
+        PelageABuffer,
+        "PELAGE_A_BUFFER_INIT",
+        storage,
+        raster,
+        reserved,
+        pool_bytes
+    );
+    initialiser!(
+        PelageTransparency,
+        "PELAGE_TRANSPARENCY_INIT",
+        technique,
+        opaque,
+        a_buffer
+    );
+    initialiser!(
+        PelageView,
+        "PELAGE_VIEW_INIT",
+        flags,
+        view_from_world,
+        clip_from_view
+    );
+    initialiser!(
+        PelageLight,
+        "PELAGE_LIGHT_INIT",
+        kind,
+        direction,
+        position,
+        power,
+        reserved,
+        shadow
+    );
+    initialiser!(
+        PelageFrame,
+        "PELAGE_FRAME_INIT",
+        hair_count,
+        hairs,
+        lights,
+        view,
+        transparency,
+        light_count,
+        ambient
+    );
+    initialiser!(
+        PelageTargetDescriptor,
+        "PELAGE_TARGET_DESCRIPTOR_INIT",
+        width,
+        height,
+        format,
+        with_depth,
+        reserved
+    );
+    initialiser!(
+        PelageStatistics,
+        "PELAGE_STATISTICS_INIT",
+        reserved,
+        strands,
+        segments,
+        fragments_produced,
+        fragments_culled,
+        fragments_stored,
+        fragments_merged,
+        covered_pixels,
+        bytes_total,
+        bytes_peak
+    );
+    text
+}
+
+/// A value as C writes it.
+trait C {
+    fn c(&self) -> String;
+}
+
+impl C for u32 {
+    fn c(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl C for u64 {
+    fn c(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl C for i8 {
+    fn c(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl C for u8 {
+    fn c(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl C for f32 {
+    fn c(&self) -> String {
+        format!("{self:?}f")
+    }
+}
+
+impl C for f64 {
+    fn c(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+impl<T> C for *const T {
+    fn c(&self) -> String {
+        assert!(self.is_null());
+        "NULL".into()
+    }
+}
+
+impl<T: C + PartialEq, const N: usize> C for [T; N] {
+    fn c(&self) -> String {
+        // A string is the one long array; all of it is zero where its first element is.
+        if N > 16 {
+            return "{ 0 }".into();
+        }
+        format!(
+            "{{ {} }}",
+            self.iter().map(C::c).collect::<Vec<_>>().join(", ")
+        )
+    }
+}

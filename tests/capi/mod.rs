@@ -1,0 +1,11 @@
+//! The C ABI, as a C host sees it.
+
+mod frames;
+mod grooms;
+mod handles;
+mod header;
+mod pointers;
+mod programs;
+mod rendering;
+mod support;
+mod threads;

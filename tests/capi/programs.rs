@@ -1,0 +1,248 @@
+//! C and C++ programs: the header alone with every warning an error, its initialisers, and programs that link the library.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use pelage::capi::*;
+
+const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The C library that belongs to this test program: cargo puts both into one folder.
+fn library() -> PathBuf {
+    let folder = std::env::current_exe()
+        .unwrap()
+        .parent()
+        .unwrap()
+        .to_path_buf();
+    let name = format!(
+        "{}pelage{}",
+        std::env::consts::DLL_PREFIX,
+        std::env::consts::DLL_SUFFIX
+    );
+    let library = folder.join(name);
+    assert!(
+        library.exists(),
+        "{} is missing: cargo build makes it",
+        library.display()
+    );
+    library
+}
+
+/// A folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("capi")
+        .join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+#[track_caller]
+fn run(command: &mut Command) -> String {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    let (out, error) = (
+        String::from_utf8_lossy(&stdout),
+        String::from_utf8_lossy(&stderr),
+    );
+    assert!(status.success(), "{command:?}: {status}\n{out}\n{error}");
+    out.into_owned()
+}
+
+/// Compiles a C program against the header and the library, and runs it.
+fn compile_and_run(name: &str, source: &str, arguments: &[&str]) -> String {
+    let folder = folder(name);
+    let program = folder.join("program");
+    // The library's soname and the name that a linker looks for.
+    for alias in [
+        "libpelage.so",
+        "libpelage.so.0",
+        "libpelage.dylib",
+        "libpelage.0.dylib",
+    ] {
+        std::fs::remove_file(folder.join(alias)).ok();
+        std::os::unix::fs::symlink(library(), folder.join(alias)).unwrap();
+    }
+    let mut compiler = Command::new("cc");
+    compiler
+        .arg("-std=c99")
+        .args(WARNINGS)
+        .arg("-I")
+        .arg(root().join("include"));
+    compiler.arg(root().join(source)).arg("-o").arg(&program);
+    compiler
+        .arg("-L")
+        .arg(&folder)
+        .arg(format!("-Wl,-rpath,{}", folder.display()))
+        .args(["-lpelage", "-lm"]);
+    run(&mut compiler);
+    run(Command::new(&program).args(arguments).current_dir(&folder))
+}
+
+#[test]
+fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
+    let folder = folder("header");
+    let ways = [
+        ("cc", "c", "c99"),
+        ("cc", "c", "c11"),
+        ("c++", "c++", "c++17"),
+    ];
+    for (compiler, language, standard) in ways {
+        let source = folder.join(format!(
+            "{}.{}",
+            standard.replace("++", "pp"),
+            language.replace("++", "pp")
+        ));
+        // Twice, as programs do; and every initialiser once.
+        let types = [
+            "Strands",
+            "Frame",
+            "Light",
+            "View",
+            "Adapter",
+            "KajiyaKay",
+            "ABuffer",
+            "Statistics",
+        ];
+        let macros = [
+            "STRANDS",
+            "FRAME",
+            "LIGHT",
+            "VIEW",
+            "ADAPTER",
+            "KAJIYA_KAY",
+            "A_BUFFER",
+            "STATISTICS",
+        ];
+        let uses: String = types
+            .iter()
+            .zip(macros)
+            .map(|(name, initialiser)| {
+                format!("uint32_t use_{name}(void);\nuint32_t use_{name}(void) {{ Pelage{name} value = PELAGE_{initialiser}_INIT; return value.struct_size; }}\n")
+            })
+            .collect();
+        std::fs::write(
+            &source,
+            format!("#include \"pelage.h\"\n#include \"pelage.h\"\n{uses}"),
+        )
+        .unwrap();
+        let mut command = Command::new(compiler);
+        command
+            .args(["-x", language])
+            .arg(format!("-std={standard}"))
+            .args(WARNINGS)
+            .arg("-fsyntax-only");
+        run(command.arg("-I").arg(root().join("include")).arg(&source));
+    }
+}
+
+#[test]
+fn the_headers_initialisers_are_the_librarys_defaults() {
+    let printed = compile_and_run("initialisers", "tests/c/initialisers.c", &[]);
+    let mut expected = String::new();
+    macro_rules! expect {
+        ($($type:ident),* $(,)?) => {
+            $(
+                let value = $type::default();
+                // SAFETY: a `repr(C)` struct without padding, as `descriptor` checks, is as many bytes as its size.
+                let bytes = unsafe {
+                    std::slice::from_raw_parts(std::ptr::from_ref(&value).cast::<u8>(), size_of::<$type>())
+                };
+                let hex: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+                expected += &format!("{} {hex}\n", stringify!($type));
+            )*
+        };
+    }
+    expect!(
+        PelageContextDescriptor,
+        PelageAdapter,
+        PelageStrands,
+        PelageInterpolationSettings,
+        PelageClumpSettings,
+        PelageFile,
+        PelageHairInfo,
+        PelageKajiyaKay,
+        PelageShading,
+        PelageDeepOpacityMap,
+        PelageShadow,
+        PelageOpaque,
+        PelageABuffer,
+        PelageTransparency,
+        PelageView,
+        PelageLight,
+        PelageFrame,
+        PelageTargetDescriptor,
+        PelageStatistics,
+    );
+    for (printed, expected) in printed.lines().zip(expected.lines()) {
+        assert_eq!(printed, expected);
+    }
+    assert_eq!(printed.lines().count(), expected.lines().count());
+}
+
+#[test]
+fn the_example_draws_a_picture() {
+    let printed = compile_and_run(
+        "offscreen",
+        "examples/c/offscreen.c",
+        &["picture.ppm", "2000"],
+    );
+    assert!(
+        printed.contains("2000 strands") && printed.contains("wrote picture.ppm"),
+        "{printed}"
+    );
+    let picture = std::fs::read(folder("offscreen").join("picture.ppm")).unwrap();
+    let pixels = picture
+        .strip_prefix(b"P6\n480 640\n255\n")
+        .expect("a PPM's header");
+    assert_eq!(pixels.len(), 480 * 640 * 3);
+    let wall = &pixels[..3];
+    let hairy = pixels.chunks(3).filter(|pixel| *pixel != wall).count();
+    assert!(hairy > 480 * 640 / 50, "{hairy} pixels show hair");
+}
+
+#[test]
+fn a_program_that_does_everything_wrong_survives() {
+    let printed = compile_and_run("abuse", "tests/c/abuse.c", &["1", "validated"]);
+    // Its contexts ask for the validation layer, which writes to the standard output.
+    assert!(!printed.contains("Validation"), "{printed}");
+    assert_eq!(printed.lines().last(), Some("0 failures"), "{printed}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_library_exports_pelage_symbols_alone_under_its_soname() {
+    let symbols = run(Command::new("nm")
+        .args(["-D", "--defined-only"])
+        .arg(library()));
+    let names: Vec<&str> = symbols
+        .lines()
+        .filter_map(|line| line.split_whitespace().last())
+        .collect();
+    assert!(names.len() > 30, "{symbols}");
+    assert!(
+        names.iter().all(|name| name.starts_with("pelage_")),
+        "{symbols}"
+    );
+    let header = std::fs::read_to_string(root().join("include/pelage.h")).unwrap();
+    for name in &names {
+        assert!(
+            header.contains(&format!("{name}(")),
+            "{name} is not in the header"
+        );
+    }
+    let dynamic = run(Command::new("readelf").arg("-d").arg(library()));
+    assert!(
+        dynamic.contains(&format!("[libpelage.so.{PELAGE_ABI_VERSION}]")),
+        "{dynamic}"
+    );
+}
