@@ -24,7 +24,7 @@ fn receive(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
         let to_light = place.xyz - position * place.w;
         let power = frame.lights[light].power * select(1.0, 1.0 / max(dot(to_light, to_light), 1e-20), place.w > 0.0);
         total += power;
-        reached += power * shadow(position, light).transmittance;
+        reached += power * shadow_received(position, light).transmittance;
     }
     return vec4f(select(vec3f(1.0), reached / max(total, vec3f(1e-20)), total > vec3f(0.0)), 1.0);
 }

@@ -119,6 +119,7 @@ pub(crate) fn record(
         geometry::project(gpu, passes, &bound, "pelage.shadow.project", &map.drawings, plan)?;
         shadow::record(gpu, passes, &bound, map, plan)?;
     }
+    geometry::host_tiles(gpu, passes, &bound, plan)?;
     geometry::project(gpu, passes, &bound, "pelage.geometry.project", &plan.bands[0].drawings, plan)?;
     shading::record(gpu, passes, &bound, plan)?;
     for band in &plan.bands {

@@ -239,6 +239,26 @@ fn pad(packed: &mut Packed) {
     }
 }
 
+/// Finds the farthest depth of the host's opaque scene in each tile of the view.
+pub(crate) fn host_tiles(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
+    if !plan.host_depth {
+        return Ok(());
+    }
+    let label = "pelage.geometry.host_tiles";
+    let groups = [Group::Frame, Group::HostTiles];
+    let pipeline = gpu.compute(PipelineKey::new(label), "host_tiles_farthest", &groups, || {
+        Module::new(&["common/pixels", "common/host_tiles"])
+    })?;
+    passes.compute(label, |pass| {
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, bound.frame, &[0, plan.bands[0].drawings[0], plan.runs[0].material]);
+        pass.set_bind_group(1, bound.host_tiles, &[]);
+        let (x, y) = workgroups(plan.tile_count());
+        pass.dispatch_workgroups(x, y, 1);
+    });
+    Ok(())
+}
+
 /// Projects every run's points for one view or map: each run's drawing says which.
 pub(crate) fn project(
     gpu: &mut Gpu,
@@ -249,7 +269,9 @@ pub(crate) fn project(
     plan: &Plan,
 ) -> Result<()> {
     let key = PipelineKey::new("pelage.geometry.project");
-    let pipeline = gpu.compute(key, "project", &[Group::Frame, Group::Project], || Module::new(&["common/project"]))?;
+    let pipeline = gpu.compute(key, "project", &[Group::Frame, Group::Project], || {
+        Module::new(&["common/pixels", "common/project"])
+    })?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
         for ((run, drawing), groups) in plan.runs.iter().zip(drawings).zip(bound.runs) {

@@ -14,6 +14,7 @@ use crate::statistics::PassTime;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Group {
     Frame,
+    HostTiles,
     Project,
     Segments,
     Shade,
@@ -23,8 +24,9 @@ pub(crate) enum Group {
     PixelsRead,
 }
 
-const GROUPS: [Group; 8] = [
+const GROUPS: [Group; 9] = [
     Group::Frame,
+    Group::HostTiles,
     Group::Project,
     Group::Segments,
     Group::Shade,
@@ -41,7 +43,7 @@ impl Group {
     fn index(self) -> usize {
         match self {
             Self::Frame => 0,
-            Self::Project | Self::Segments | Self::Shade => 1,
+            Self::HostTiles | Self::Project | Self::Segments | Self::Shade => 1,
             Self::MapsWritten | Self::MapsRead => 2,
             Self::PixelsWritten | Self::PixelsRead => 3,
         }
@@ -84,7 +86,10 @@ impl Group {
                 };
                 vec![uniform(0), uniform(1), uniform(2), depth]
             }
-            Self::Project => (0..4).map(|binding| storage(binding, Stages::COMPUTE, binding < 2)).collect(),
+            Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
+            Self::Project => {
+                (0..5).map(|binding| storage(binding, Stages::COMPUTE, !(2..4).contains(&binding))).collect()
+            }
             Self::Segments => (0..2).map(|binding| storage(binding, raster | Stages::VERTEX, true)).collect(),
             Self::Shade => (0..4).map(|binding| storage(binding, Stages::COMPUTE, binding < 3)).collect(),
             Self::MapsWritten => vec![storage(0, raster, false)],
@@ -305,11 +310,10 @@ impl Gpu {
     }
 
     fn shader(&self, label: &str, module: &Module) -> wgpu::ShaderModule {
-        let d = wgpu::ShaderModuleDescriptor {
+        self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(label),
             source: wgpu::ShaderSource::Wgsl(module.join().source.into()),
-        };
-        if std::env::var("UNCHECKED").is_ok() { unsafe { self.device.create_shader_module_trusted(d, wgpu::ShaderRuntimeChecks::unchecked()) } } else { self.device.create_shader_module(d) }
+        })
     }
 
     /// The compute pipeline of `key`, made at its first use.
@@ -419,14 +423,13 @@ impl<'a> Passes<'a> {
             Self::Recorded(encoder) => encode(encoder),
             Self::Timed(timed) => {
                 let start = Instant::now();
-                let c0 = cpu();
                 let mut encoder = timed.device.create_command_encoder(&Default::default());
                 encode(&mut encoder);
                 timed.queue.submit([encoder.finish()]);
                 if let Err(error) = timed.device.poll(wgpu::PollType::wait_indefinitely()) {
                     log::error!("waiting for {label}: {error}");
                 }
-                let ms = if std::env::var("CPUTIME").is_ok() { (cpu() - c0) * 0.5 } else { start.elapsed().as_secs_f64() * 1e3 };
+                let ms = start.elapsed().as_secs_f64() * 1e3;
                 match timed.times.iter_mut().find(|time| time.label == label) {
                     Some(time) => time.ms += ms,
                     None => timed.times.push(PassTime { label: label.to_string(), ms }),
@@ -441,12 +444,4 @@ impl<'a> Passes<'a> {
             record(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None }));
         });
     }
-}
-
-fn cpu() -> f64 {
-    let mut t = 0.0;
-    for e in std::fs::read_dir("/proc/self/task").unwrap().flatten() {
-        if let Ok(x) = std::fs::read_to_string(e.path().join("schedstat")) { t += x.split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-6; }
-    }
-    t
 }

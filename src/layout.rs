@@ -17,6 +17,8 @@ pub const FRAME_REVERSE_Z: u32 = 1;
 pub const POINT_FIRST: u32 = 0x8000_0000;
 pub const POINT_LAST: u32 = 0x4000_0000;
 pub const POINT_STRAND: u32 = 0x3fff_ffff;
+/// Pixels a side of the tiles that know the host's farthest depth; the same in WGSL.
+pub const HOST_TILE: u32 = 8;
 /// Words a pixel of the overflow buffer; `OVERFLOW_WORDS` in WGSL.
 pub const OVERFLOW_WORDS: u64 = 7;
 /// Pixels that one workgroup of the scan treats; `SCAN_BLOCK` in WGSL.
@@ -85,9 +87,9 @@ pub struct Frame {
     pub capacity: u32,
     pub flags: u32,
     pub tail_scale: f32,
-    pub padding_0: f32,
-    pub padding_1: f32,
-    pub padding_2: f32,
+    pub run_points: u32,
+    pub run_columns: u32,
+    pub run_rows: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
 }
@@ -109,6 +111,8 @@ pub struct Counters {
     pub mismatched: u32,
     pub covered: u32,
     pub padding_0: u32,
+    pub walk_arguments: [u32; 4],
+    pub ribbon_arguments: [u32; 4],
 }
 
 #[repr(C)]

@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3, DVec4, Vec3};
 use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, Target};
 use crate::geometry::{Hair, MAX_FRAME_POINTS, Run};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, workgroups};
 use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::LightKind;
 use crate::raster::Rasteriser;
@@ -66,6 +66,7 @@ pub(crate) struct Plan {
     pub shading: &'static str,
     pub shadowed: bool,
     pub reverse_z: bool,
+    pub host_depth: bool,
     pub frame_uniform: layout::Frame,
 }
 
@@ -133,6 +134,8 @@ impl Plan {
         let eye_relative = if eye.w > 0.0 { (eye.truncate() - origin).extend(1.0) } else { eye };
         let seen = view_size(&clip_from_relative, &placed, frame, width, height);
 
+        let largest = runs.iter().map(|run| run.run.count).max().unwrap_or(0);
+        let (columns, rows) = workgroups(largest);
         let mut plan = Self {
             width,
             height,
@@ -151,6 +154,7 @@ impl Plan {
             shading,
             shadowed: false,
             reverse_z: frame.view.reverse_z,
+            host_depth: target.depth.is_some(),
             frame_uniform: layout::Frame {
                 ambient: frame.ambient.into(),
                 light_count: frame.lights.len() as u32,
@@ -161,9 +165,9 @@ impl Plan {
                 capacity: 0,
                 flags: if frame.view.reverse_z { layout::FRAME_REVERSE_Z } else { 0 },
                 tail_scale: tail_scale(frame, &placed, origin),
-                padding_0: 0.0,
-                padding_1: 0.0,
-                padding_2: 0.0,
+                run_points: largest,
+                run_columns: columns,
+                run_rows: rows,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
             },
@@ -177,6 +181,11 @@ impl Plan {
         plan.add_lights(frame, &placed, origin, gpu)?;
         plan.add_bands(frame, &placed, &clip_from_relative, eye_relative, target, gpu);
         Ok(plan)
+    }
+
+    /// Tiles of the view that know the host's farthest depth.
+    pub fn tile_count(&self) -> u32 {
+        self.width.div_ceil(layout::HOST_TILE) * self.height.div_ceil(layout::HOST_TILE)
     }
 
     /// Appends a uniform block; its offset.

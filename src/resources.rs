@@ -64,6 +64,7 @@ struct Groups {
     serials: Vec<u64>,
     generation: u64,
     runs: Vec<RunGroups>,
+    host_tiles: wgpu::BindGroup,
     maps_written: wgpu::BindGroup,
     maps_read: wgpu::BindGroup,
     pixels_written: wgpu::BindGroup,
@@ -75,12 +76,15 @@ pub(crate) struct Bound<'a> {
     pub frame: &'a wgpu::BindGroup,
     pub frame_without_depth: &'a wgpu::BindGroup,
     pub runs: &'a [RunGroups],
+    pub host_tiles: &'a wgpu::BindGroup,
     pub maps_written: &'a wgpu::BindGroup,
     pub maps_read: &'a wgpu::BindGroup,
     pub pixels_written: &'a wgpu::BindGroup,
     pub pixels: &'a Pixels,
     pub pixels_read: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
+    /// A copy of the counters, for the arguments in them.
+    pub arguments: &'a wgpu::Buffer,
     returned: &'a Allocation,
 }
 
@@ -96,6 +100,14 @@ impl Bound<'_> {
     /// Zeroes the counters before a band.
     pub fn clear_counters(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.clear_buffer(&self.pixels.counters.buffer, 0, None);
+    }
+
+    /// Copies the counters to where their arguments can be taken from.
+    pub fn copy_arguments(&self, passes: &mut Passes) {
+        let size = size_of::<Counters>() as u64;
+        passes.encode("pelage.transparency.arguments", |encoder| {
+            encoder.copy_buffer_to_buffer(&self.pixels.counters.buffer, 0, self.arguments, 0, Some(size));
+        });
     }
 
     /// Keeps a band's counters for the host.
@@ -126,8 +138,10 @@ pub(crate) struct Resources {
     projected: Allocation,
     projected_attributes: Allocation,
     shaded: Allocation,
+    host_tiles: Allocation,
     maps: Allocation,
     pixels: Pixels,
+    arguments: Allocation,
     generation: u64,
     groups: Option<Groups>,
     slots: Vec<Slot>,
@@ -181,6 +195,7 @@ impl Resources {
             projected: empty("pelage.geometry.projected")?,
             projected_attributes: empty("pelage.geometry.projected_attributes")?,
             shaded: empty("pelage.shading.points")?,
+            host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
             pixels: Pixels {
                 counters: empty("pelage.counters")?,
@@ -191,6 +206,11 @@ impl Resources {
                 values: empty("pelage.transparency.values")?,
                 overflow: empty("pelage.transparency.overflow")?,
             },
+            arguments: gpu.allocate(
+                "pelage.transparency.arguments",
+                256,
+                wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
+            )?,
             generation: 0,
             groups: None,
             slots,
@@ -237,6 +257,10 @@ impl Resources {
         grow(gpu, &mut self.projected, "pelage.geometry.projected", points * 16, generation)?;
         grow(gpu, &mut self.projected_attributes, "pelage.geometry.projected_attributes", points * 8, generation)?;
         grow(gpu, &mut self.shaded, "pelage.shading.points", points * 8, generation)?;
+        if plan.host_depth {
+            let bytes = u64::from(plan.tile_count()) * 4;
+            grow(gpu, &mut self.host_tiles, "pelage.geometry.host_tiles", bytes, generation)?;
+        }
         grow(gpu, &mut self.maps, "pelage.shadow.maps", plan.map_words * 4, generation)?;
         let pixels = plan.bands.iter().map(|band| u64::from(plan.width) * u64::from(band.rows)).max().unwrap_or(0);
         let pool = &mut self.pixels;
@@ -345,7 +369,7 @@ impl Resources {
                     project: gpu.bind(
                         "pelage.project",
                         Group::Project,
-                        &[points(), attributes(), projected(), projected_attributes()],
+                        &[points(), attributes(), projected(), projected_attributes(), self.host_tiles.binding()],
                     ),
                     segments: gpu.bind("pelage.segments", Group::Segments, &[projected(), projected_attributes()]),
                     shade: gpu.bind(
@@ -374,6 +398,7 @@ impl Resources {
             serials: plan.serials.clone(),
             generation: self.generation,
             runs,
+            host_tiles: gpu.bind("pelage.host_tiles", Group::HostTiles, &[self.host_tiles.binding()]),
             maps_written: gpu.bind("pelage.maps_written", Group::MapsWritten, &[self.maps.binding()]),
             maps_read: gpu.bind("pelage.maps_read", Group::MapsRead, &[self.maps.binding()]),
             pixels_written: gpu.bind("pelage.pixels_written", Group::PixelsWritten, &pixels),
@@ -436,12 +461,14 @@ impl Resources {
             frame: slot.frame.as_ref()?,
             frame_without_depth: slot.frame_without_depth.as_ref()?,
             runs: &groups.runs,
+            host_tiles: &groups.host_tiles,
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             pixels: &self.pixels,
             attachment: self.attachment.as_ref().map(|texture| texture.create_view(&Default::default())),
+            arguments: &self.arguments.buffer,
             returned: &slot.counters,
         })
     }

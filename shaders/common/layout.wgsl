@@ -38,6 +38,9 @@ const DRAWING_DEPTH_OVER_W: u32 = 1u;
 const DRAWING_REVERSE_Z: u32 = 2u;
 const DRAWING_HOST_DEPTH: u32 = 4u;
 
+// Pixels a side of the tiles that know the host's farthest depth.
+const HOST_TILE: u32 = 8u;
+
 struct Light {
     // Position (w = 1) or direction towards the light (w = 0), in relative space.
     place: vec4f,
@@ -81,9 +84,10 @@ struct Frame {
     flags: u32,
     // Steps a unit of radiance of the overflow tail's fixed-point colours.
     tail_scale: f32,
-    padding_0: f32,
-    padding_1: f32,
-    padding_2: f32,
+    // The largest run's points, and the workgroups of its walk.
+    run_points: u32,
+    run_columns: u32,
+    run_rows: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }
@@ -107,6 +111,9 @@ struct Counters {
     mismatched: atomic<u32>,
     covered: atomic<u32>,
     padding_0: u32,
+    // Arguments of the overflow's walks and ribbons: all zero, and so none is run, where the pool suffices.
+    walk_arguments: vec4u,
+    ribbon_arguments: vec4u,
 }
 
 // A strand's point as the host gave it.
@@ -136,7 +143,7 @@ struct Projected {
 // `bisector` is the unit normal of the plane that parts the point's two segments (2 × snorm16).
 struct ProjectedAttributes {
     bisector: u32,
-    // PROJECTED_… below, and how far it is along the strand to its first and its last point, in pixels up to 1, in 13
+    // PROJECTED_… below, and how far it is along the strand to its first and its last point, in pixels up to 1, in 12
     // bits each.
     flags: u32,
 }
@@ -149,5 +156,7 @@ const PROJECTED_BREAK: u32 = 0x20000000u;
 const PROJECTED_BEHIND: u32 = 0x10000000u;
 const PROJECTED_CUT_START: u32 = 0x08000000u;
 const PROJECTED_CUT_END: u32 = 0x04000000u;
-const PROJECTED_DISTANCE_BITS: u32 = 13u;
-const PROJECTED_DISTANCE_MAX: u32 = 0x1fffu;
+// The segment that begins here lies outside the image or behind the host's opaque scene.
+const PROJECTED_UNSEEN: u32 = 0x02000000u;
+const PROJECTED_DISTANCE_BITS: u32 = 12u;
+const PROJECTED_DISTANCE_MAX: u32 = 0xfffu;

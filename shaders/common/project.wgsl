@@ -9,6 +9,7 @@
 @group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
 @group(1) @binding(2) var<storage, read_write> projected_out: array<Projected>;
 @group(1) @binding(3) var<storage, read_write> projected_attributes_out: array<ProjectedAttributes>;
+@group(1) @binding(4) var<storage, read> host_tiles: array<u32>;
 
 // Points closer than this on the screen give no direction.
 const PROJECT_COINCIDENT_PX: f32 = 1e-4;
@@ -72,6 +73,41 @@ fn project_side(index: u32, position: vec3f, forward: bool) -> ProjectSide {
     return side;
 }
 
+fn project_depth(position: vec3f, clip: vec4f) -> f32 {
+    let depth = dot(drawing.depth_row, vec4f(position, 1.0));
+    return select(depth, depth / clip.w, (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u);
+}
+
+// Segments over more tiles than this are not looked up.
+const PROJECT_TILES: u32 = 32u;
+
+// Whether the segment to the next point lies outside the image or wholly behind the host's opaque scene.
+fn project_unseen(here: Projected, next: vec3f, next_radius: f32) -> bool {
+    let clip = project_clip(next);
+    if project_near_distance(clip) < 0.0 || clip.w <= 0.0 { return false; }
+    let there = project_pixel(clip);
+    // Wide enough for any direction: the silhouette of a sphere of the radius, and the skirt of the footprint.
+    let scale = max(length(drawing.clip_from_relative[0].xy), length(drawing.clip_from_relative[1].xy));
+    let widest = max(scale, length(drawing.clip_from_relative[2].xy)) * max(drawing.viewport.x, drawing.viewport.y);
+    let reach = max(here.half_width, next_radius * drawing.radius_scale * widest / clip.w) + 2.0;
+    let low = min(here.position, there) - reach;
+    let high = max(here.position, there) + reach;
+    if any(high < vec2f(0.0)) || any(low > drawing.viewport) { return true; }
+    if (drawing.flags & DRAWING_HOST_DEPTH) == 0u { return false; }
+    let first = vec2u(clamp(low, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
+    let last = vec2u(clamp(high, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
+    let size = last - first + 1u;
+    if size.x * size.y > PROJECT_TILES { return false; }
+    let columns = (u32(drawing.viewport.x) + HOST_TILE - 1u) / HOST_TILE;
+    let nearest = min(depth_key(here.depth), depth_key(project_depth(next, clip)));
+    for (var y = first.y; y <= last.y; y++) {
+        for (var x = first.x; x <= last.x; x++) {
+            if nearest <= host_tiles[y * columns + x] { return false; }
+        }
+    }
+    return true;
+}
+
 @compute @workgroup_size(64)
 fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = invocation.x + invocation.y * groups.x * 64u;
@@ -124,9 +160,10 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
         half_width = select(length(offset), abs(dot(offset, vec2f(bisector.y, -bisector.x))), dot(sum, sum) > 1e-8);
     }
 
-    let depth = dot(drawing.depth_row, vec4f(position, 1.0));
-    let over_w = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u;
-    projected_out[index] = Projected(project_pixel(clip), select(depth, depth / clip.w, over_w), half_width);
+    let here = Projected(project_pixel(clip), project_depth(position, clip), half_width);
+    projected_out[index] = here;
+    let in_view = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u && (flags & PROJECTED_BEHIND) == 0u;
+    if in_view && !is_last && project_unseen(here, next, points[index + 1u].radius) { flags |= PROJECTED_UNSEEN; }
     let limit = f32(PROJECTED_DISTANCE_MAX);
     flags |= u32(before.distance * limit + 0.5) << PROJECTED_DISTANCE_BITS;
     flags |= u32(after.distance * limit + 0.5);

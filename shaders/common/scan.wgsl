@@ -83,7 +83,11 @@ fn scan_totals(@builtin(local_invocation_index) local: u32) {
         if !SCAN_AGAIN {
             atomicStore(&counters.produced, total);
             atomicAdd(&counters.stored, total);
-            if total > frame.capacity { atomicStore(&counters.overflow, 1u); }
+            if total > frame.capacity {
+                atomicStore(&counters.overflow, 1u);
+                counters.walk_arguments = vec4u(frame.run_columns, frame.run_rows, drawing.splits, 0u);
+                counters.ribbon_arguments = vec4u(4u, frame.run_points, 0u, 0u);
+            }
         } else {
             let produced = atomicLoad(&counters.produced);
             atomicSub(&counters.stored, produced - total);

@@ -3,6 +3,8 @@
 // One fragment per strand per crossing: a segment owns the pixels whose centres lie between the bisector planes at its
 // ends. There its coverage is that of the unbounded band, clipped only at the strand's own ends. Both segments of a
 // joint evaluate the same plane, so that every pixel has exactly one owner.
+//
+// Where the header says TOUCH_ONLY, coverage is 1 for every pixel that the fibre may touch: enough for a front.
 
 @group(1) @binding(0) var<storage, read> projected: array<Projected>;
 @group(1) @binding(1) var<storage, read> projected_attributes: array<ProjectedAttributes>;
@@ -51,7 +53,7 @@ fn segment(index: u32) -> Segment {
     var s: Segment;
     s.valid = false;
     let flags = projected_attributes[index].flags;
-    if (flags & PROJECTED_LAST) != 0u || index + 1u >= drawing.point_count { return s; }
+    if (flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) != 0u || index + 1u >= drawing.point_count { return s; }
     let next_flags = projected_attributes[index + 1u].flags;
     if (flags & (PROJECTED_BEHIND | PROJECTED_CUT_START)) == PROJECTED_BEHIND { return s; }
     if (next_flags & (PROJECTED_BEHIND | PROJECTED_CUT_END)) == PROJECTED_BEHIND { return s; }
@@ -107,12 +109,17 @@ fn segment_fragment(s: Segment, index: u32, centre: vec2f) -> Fragment {
     let across = dot(from_start, s.normal);
     fragment.along = clamp(along * s.inverse_length, 0.0, 1.0);
     let half_width = mix(s.start_half_width, s.end_half_width, fragment.along);
-    fragment.coverage = coverage_band(s.footprint, across, half_width);
     let support = s.footprint.support;
     // A strand's end cuts every segment within a footprint of it, not only the last one.
     let start = -along - s.before;
     let end = s.length - along + s.after;
-    if fragment.coverage > 0.0 && (start > -support || end < support) {
+    if TOUCH_ONLY {
+        let touches = abs(across) < half_width + support && start < support && end > -support;
+        fragment.coverage = select(0.0, 1.0, touches);
+    } else {
+        fragment.coverage = coverage_band(s.footprint, across, half_width);
+    }
+    if !TOUCH_ONLY && fragment.coverage > 0.0 && (start > -support || end < support) {
         fragment.coverage = coverage_rectangle(s.normal, -across - half_width, 2.0 * half_width, start, end);
     }
     fragment.depth = mix(s.start_depth, s.end_depth, fragment.along);

@@ -36,7 +36,8 @@ fn deep_opacity_map_face(position: vec3f, light: u32) -> u32 {
     return frame.lights[light].map_first + face;
 }
 
-fn shadow(position: vec3f, light: u32) -> ShadowSample {
+// The shadow at a position, with a filter of `width` texels.
+fn shadow_filtered(position: vec3f, light: u32, width: i32) -> ShadowSample {
     if frame.lights[light].map_count == 0u { return ShadowSample(vec3f(1.0), 0.0); }
     let map = deep_opacity_map_face(position, light);
     let resolution = i32(frame.lights[light].resolution);
@@ -45,7 +46,6 @@ fn shadow(position: vec3f, light: u32) -> ShadowSample {
     let depth = dot(frame.shadow_views[map].depth_row, vec4f(position, 1.0)) - frame.lights[light].bias;
 
     // The box reaches over pcf + 1 texels a side; the rims weigh by the part of them inside.
-    let width = i32(frame.lights[light].pcf);
     let corner = place - 0.5 * f32(width);
     let first = floor(corner);
     let offset = corner - first;
@@ -67,4 +67,14 @@ fn shadow(position: vec3f, light: u32) -> ShadowSample {
     }
     let area = f32(width * width);
     return ShadowSample(vec3f(transmittance / area), fibres / area);
+}
+
+fn shadow(position: vec3f, light: u32) -> ShadowSample {
+    return shadow_filtered(position, light, i32(frame.lights[light].pcf));
+}
+
+// The shadow on the host's opaque scene, where many more points than the hair's are looked up: a filter two texels
+// narrower, at least one.
+fn shadow_received(position: vec3f, light: u32) -> ShadowSample {
+    return shadow_filtered(position, light, max(i32(frame.lights[light].pcf) - 2, 1));
 }

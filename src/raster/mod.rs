@@ -7,6 +7,7 @@ pub(crate) use ribbons::ATTACHMENT;
 
 use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes};
+use crate::layout::Counters;
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
@@ -55,12 +56,15 @@ pub(crate) struct Emission {
     pub files: &'static [&'static str],
     /// The bind group that they write.
     pub group: Group,
+    /// Coverage is not asked for, only whether a fibre may touch a pixel.
+    pub touch_only: bool,
 }
 
 impl Emission {
     fn module(&self, rasteriser: &'static str) -> Module {
         Module::new(&["common/coverage", "common/segment"])
             .with("STAGE", Constant::U32(self.stage))
+            .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
             .and(self.files)
             .and(&[rasteriser])
     }
@@ -74,7 +78,13 @@ pub(crate) struct Draw<'a> {
     /// First row and number of rows that are drawn.
     pub rows: [u32; 2],
     pub drawings: &'a [u32],
+    /// Take the counts from the frame's counters: nothing is drawn unless the pool overflowed.
+    pub on_overflow: bool,
 }
+
+/// Where the counters' copy holds the arguments of walks and of ribbons.
+const WALK_ARGUMENTS: u64 = std::mem::offset_of!(Counters, walk_arguments) as u64;
+const RIBBON_ARGUMENTS: u64 = std::mem::offset_of!(Counters, ribbon_arguments) as u64;
 
 /// Hands every fragment of a drawing to an emission.
 pub(crate) fn record(

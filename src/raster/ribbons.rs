@@ -56,7 +56,11 @@ pub(super) fn record(
         for ((run, drawing), groups) in plan.runs.iter().zip(draw.drawings).zip(bound.runs) {
             pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
             pass.set_bind_group(1, &groups.segments, &[]);
-            pass.draw(0..4, 0..run.run.count);
+            if draw.on_overflow {
+                pass.draw_indirect(bound.arguments, super::RIBBON_ARGUMENTS);
+            } else {
+                pass.draw(0..4, 0..run.run.count);
+            }
         }
     });
     Ok(())

@@ -24,8 +24,12 @@ pub(super) fn record(
         for ((run, drawing), groups) in plan.runs.iter().zip(draw.drawings).zip(bound.runs) {
             pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
             pass.set_bind_group(1, &groups.segments, &[]);
-            let (x, y) = workgroups(run.run.count);
-            pass.dispatch_workgroups(x, y, draw.splits);
+            if draw.on_overflow {
+                pass.dispatch_workgroups_indirect(bound.arguments, super::WALK_ARGUMENTS);
+            } else {
+                let (x, y) = workgroups(run.run.count);
+                pass.dispatch_workgroups(x, y, draw.splits);
+            }
         }
     });
     Ok(())

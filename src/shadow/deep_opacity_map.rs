@@ -16,8 +16,10 @@ const FRONT: Emission = Emission {
     stage: 0,
     files: &["shadow/deep_opacity_map_common", "shadow/deep_opacity_map_emit"],
     group: Group::MapsWritten,
+    touch_only: true,
 };
-const LAYERS: Emission = Emission { label: "pelage.shadow.deep_opacity_map.layers", stage: 1, ..FRONT };
+const LAYERS: Emission =
+    Emission { label: "pelage.shadow.deep_opacity_map.layers", stage: 1, touch_only: false, ..FRONT };
 
 /// Settings of the deep opacity map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,7 +65,14 @@ impl DeepOpacityMap {
 pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, map: &PlannedMap, plan: &Plan) -> Result<()> {
     let size = [map.settings.resolution; 2];
     let rows = [0, size[1]];
-    let raster = raster::Draw { rasteriser: map.rasteriser, splits: map.splits, size, rows, drawings: &map.drawings };
+    let raster = raster::Draw {
+        rasteriser: map.rasteriser,
+        splits: map.splits,
+        size,
+        rows,
+        drawings: &map.drawings,
+        on_overflow: false,
+    };
     raster::record(gpu, passes, bound, &FRONT, &raster, plan)?;
     raster::record(gpu, passes, bound, &LAYERS, &raster, plan)?;
     let label = "pelage.shadow.deep_opacity_map.prefix";

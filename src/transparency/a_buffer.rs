@@ -12,13 +12,14 @@ const COUNT: Emission = Emission {
     label: "pelage.transparency.a_buffer.count",
     stage: 0,
     files: &[
-        "transparency/pixels",
+        "common/pixels",
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
         "transparency/a_buffer_emit",
     ],
     group: Group::PixelsWritten,
+    touch_only: false,
 };
 const RANGE: Emission = Emission { label: "pelage.transparency.a_buffer.overflow_range", stage: 1, ..COUNT };
 const HISTOGRAM: Emission = Emission { label: "pelage.transparency.a_buffer.overflow_histogram", stage: 2, ..COUNT };
@@ -92,10 +93,12 @@ pub(crate) fn record(
         Storage::Counted => {
             raster::record(gpu, passes, bound, &COUNT, draw, plan)?;
             scan(gpu, passes, bound, band, plan, false)?;
-            // Every pass from here to the scatter returns at once where the pool suffices.
-            search(gpu, passes, bound, band, draw, plan)?;
+            // From here to the scatter nothing is run, or all returns at once, where the pool suffices.
+            bound.copy_arguments(passes);
+            let overflowing = Draw { on_overflow: true, ..*draw };
+            search(gpu, passes, bound, band, &overflowing, plan)?;
             scan(gpu, passes, bound, band, plan, true)?;
-            raster::record(gpu, passes, bound, &SCATTER_OVERFLOW, draw, plan)?;
+            raster::record(gpu, passes, bound, &SCATTER_OVERFLOW, &overflowing, plan)?;
             raster::record(gpu, passes, bound, &SCATTER, draw, plan)?;
         }
     }

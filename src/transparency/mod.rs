@@ -66,6 +66,7 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &B
         size: [plan.width, plan.height],
         rows: [band.first, band.rows],
         drawings: &band.drawings,
+        on_overflow: false,
     };
     match &plan.transparency {
         Transparency::Opaque(_) => opaque::record(gpu, passes, bound, band, &draw, plan),
@@ -75,7 +76,7 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &B
 
 /// The files that supply `resolve(pixel)`.
 pub(crate) fn resolve_module(transparency: &Transparency) -> Module {
-    let common = Module::new(&["transparency/pixels", "transparency/shaded"]);
+    let common = Module::new(&["common/pixels", "transparency/shaded"]);
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
         Transparency::ABuffer(settings) => a_buffer::resolve_module(common, settings.storage),
