@@ -17,6 +17,8 @@ mod shader;
 pub mod shading;
 pub mod shadow;
 mod statistics;
+#[doc(hidden)]
+pub mod testing;
 pub mod transparency;
 mod view;
 

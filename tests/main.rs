@@ -1,4 +1,10 @@
 //! All tests of the library as one binary.
 
+mod common;
+mod composite;
 mod groom;
+mod raster;
 mod render;
+mod shaders;
+mod shading;
+mod transparency;

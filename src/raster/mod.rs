@@ -61,7 +61,7 @@ pub(crate) struct Emission {
 }
 
 impl Emission {
-    fn module(&self, rasteriser: &'static str) -> Module {
+    pub(crate) fn module(&self, rasteriser: &'static str) -> Module {
         Module::new(&["common/coverage", "common/segment"])
             .with("STAGE", Constant::U32(self.stage))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))

@@ -21,6 +21,9 @@ const FRONT: Emission = Emission {
 const LAYERS: Emission =
     Emission { label: "pelage.shadow.deep_opacity_map.layers", stage: 1, touch_only: false, ..FRONT };
 
+/// All stages.
+pub(crate) const EMISSIONS: [Emission; 2] = [FRONT, LAYERS];
+
 /// Settings of the deep opacity map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeepOpacityMap {

@@ -30,6 +30,10 @@ const LIST: Emission = Emission { label: "pelage.transparency.a_buffer.list", st
 
 /// Workgroups that stride over the pixels: `OVERFLOW_STRIDE` / 64 in WGSL.
 const OVERFLOW_WORKGROUPS: u32 = 256;
+
+/// All stages.
+pub(crate) const EMISSIONS: [Emission; 6] = [COUNT, RANGE, HISTOGRAM, SCATTER, SCATTER_OVERFLOW, LIST];
+
 /// Rounds of the search for a pixel's share; each parts the depth range by four: 4⁵ = 1,024 depths a pixel.
 const SEARCH_ROUNDS: u32 = 5;
 

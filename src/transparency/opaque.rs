@@ -15,6 +15,9 @@ const NEAREST: Emission = Emission {
 };
 const WINNER: Emission = Emission { label: "pelage.transparency.opaque.winner", stage: 1, ..NEAREST };
 
+/// All stages.
+pub(crate) const EMISSIONS: [Emission; 2] = [NEAREST, WINNER];
+
 /// Settings of the opaque technique.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Opaque {

@@ -1,0 +1,130 @@
+//! What this crate's own tests ask that no host needs to: joined shader modules, and the structs shared with them. Not
+//! part of the API.
+#![allow(missing_docs)]
+
+use std::mem::offset_of;
+
+use crate::layout;
+use crate::shader::{Constant, FILES, Module};
+use crate::shading::{Shading, kajiya_kay};
+use crate::transparency::{ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module};
+use crate::shadow::{deep_opacity_map, look_up};
+
+/// A module that the crate can build.
+pub struct Combination {
+    pub name: String,
+    pub source: String,
+    pub files: Vec<&'static str>,
+}
+
+/// Every module that the crate can build.
+pub fn combinations() -> Vec<Combination> {
+    let mut modules: Vec<(String, Module)> = Vec::new();
+    let emissions = opaque::EMISSIONS.iter().chain(&a_buffer::EMISSIONS).chain(&deep_opacity_map::EMISSIONS);
+    for emission in emissions {
+        for rasteriser in ["raster/walk", "raster/ribbons"] {
+            modules.push((format!("{} {rasteriser}", emission.label), emission.module(rasteriser)));
+        }
+    }
+    let counted = Transparency::ABuffer(ABuffer::default());
+    let lists = Transparency::ABuffer(ABuffer { storage: Storage::Lists, ..Default::default() });
+    for (name, technique) in [("opaque", Transparency::Opaque(Opaque::default())), ("counted", counted), ("lists", lists)] {
+        modules.push((format!("composite {name}"), resolve_module(&technique).and(&["composite"])));
+    }
+    modules.push(("project".into(), Module::new(&["common/pixels", "common/project"])));
+    modules.push(("host_tiles".into(), Module::new(&["common/pixels", "common/host_tiles"])));
+    for again in [false, true] {
+        let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
+        modules.push((format!("scan, again {again}"), module));
+    }
+    for shadowed in [false, true] {
+        let points = Module::new(look_up(shadowed)).and(&["shading/points", kajiya_kay::POINTS.1]);
+        modules.push((format!("points, shadowed {shadowed}"), points));
+    }
+    modules.push(("prefix".into(), Module::new(&["shadow/deep_opacity_map_prefix"])));
+    modules.push(("overflow".into(), Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"])));
+    modules.push(("receive".into(), Module::new(look_up(true)).and(&["receive"])));
+    modules
+        .into_iter()
+        .map(|(name, module)| Combination { name, source: module.join().source, files: module.files.clone() })
+        .collect()
+}
+
+/// A module of these files, behind the common ones.
+pub fn module_source(files: &[&'static str]) -> String {
+    Module::new(files).join().source
+}
+
+/// Where a line of that module comes from.
+pub fn module_origin(files: &[&'static str], line: usize) -> String {
+    Module::new(files).join().origin(line)
+}
+
+/// Every shader file's stem.
+pub fn shader_files() -> Vec<&'static str> {
+    FILES.iter().map(|(stem, _)| *stem).collect()
+}
+
+/// The uniform block of a hair's shading.
+pub fn material_bytes(shading: &Shading) -> Vec<u8> {
+    bytemuck::bytes_of(&shading.material()).to_vec()
+}
+
+/// A struct shared with WGSL: its size, and its fields' names and offsets.
+pub struct Layout {
+    pub name: &'static str,
+    pub size: usize,
+    pub fields: Vec<(&'static str, usize)>,
+}
+
+macro_rules! layouts {
+    ($($name:ident { $($field:ident),* $(,)? })*) => {
+        vec![$(Layout {
+            name: stringify!($name),
+            size: size_of::<layout::$name>(),
+            fields: vec![$((stringify!($field), offset_of!(layout::$name, $field))),*],
+        }),*]
+    };
+}
+
+/// Every struct of `layout.rs`.
+pub fn layouts() -> Vec<Layout> {
+    layouts! {
+        Drawing {
+            clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
+            point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end, padding_0,
+            padding_1,
+        }
+        Light {
+            place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
+        }
+        ShadowView { clip_from_relative, depth_row, front_base, layer_base, padding_0, padding_1 }
+        Frame {
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points,
+            run_columns, run_rows, lights, shadow_views,
+        }
+        Material { values }
+        Counters { produced, culled, stored, merged, overflow, mismatched, covered, padding_0, walk_arguments, ribbon_arguments }
+        Point { position, radius }
+        PointAttributes { strand, coordinate }
+        Projected { position, depth, half_width }
+        ProjectedAttributes { bisector, flags }
+    }
+}
+
+/// The constants of `layout.rs` that WGSL repeats.
+pub fn shared_constants() -> Vec<(&'static str, u32)> {
+    vec![
+        ("MAX_LIGHTS", layout::MAX_LIGHTS as u32),
+        ("MAX_SHADOW_VIEWS", layout::MAX_SHADOW_VIEWS as u32),
+        ("DRAWING_DEPTH_OVER_W", layout::DRAWING_DEPTH_OVER_W),
+        ("DRAWING_REVERSE_Z", layout::DRAWING_REVERSE_Z),
+        ("DRAWING_HOST_DEPTH", layout::DRAWING_HOST_DEPTH),
+        ("FRAME_REVERSE_Z", layout::FRAME_REVERSE_Z),
+        ("POINT_FIRST", layout::POINT_FIRST),
+        ("POINT_LAST", layout::POINT_LAST),
+        ("POINT_STRAND", layout::POINT_STRAND),
+        ("OVERFLOW_WORDS", layout::OVERFLOW_WORDS as u32),
+        ("SCAN_BLOCK", layout::SCAN_BLOCK),
+    ]
+}

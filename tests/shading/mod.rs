@@ -1,0 +1,3 @@
+//! Tests of `pelage::shading`.
+
+mod kajiya_kay;

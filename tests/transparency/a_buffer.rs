@@ -1,0 +1,125 @@
+//! The A-buffer against the reference's exact composite.
+
+use pelage::glam::{DVec3, Vec3};
+use pelage::groom::{BuiltinGroom, Curve, Strands, builtin};
+use pelage::raster::Raster;
+use pelage::transparency::Storage;
+use pelage::{Frame, Light};
+
+use crate::common::images::{Tolerance, assert_close, assert_identical, render};
+use crate::common::scenes::{A_BUFFERS, a_buffer, pixel_view, portrait, reference, unshadowed};
+use crate::common::device;
+
+/// What the project promises of the A-buffer.
+const PROMISED: Tolerance = Tolerance { rmse: 1e-3, p99: 4e-3 };
+
+const SIZE: [u32; 2] = [328, 430];
+
+fn key_light() -> Light {
+    unshadowed(DVec3::new(-0.5, -0.6, -0.7), Vec3::new(2.0, 1.9, 1.7))
+}
+
+#[test]
+fn ten_thousand_strands_match_the_exact_composite_in_either_form_by_either_rasteriser() {
+    let Some(mut device) = device() else { return };
+    let strands = builtin(BuiltinGroom::Straight, 10_000).unwrap();
+    let mut hair = device.renderer.create_hair(&strands).unwrap();
+    for opacity in [1.0, 0.3] {
+        hair.opacity = opacity;
+        let (hairs, lights) = ([&hair], [key_light()]);
+        let mut frame =
+            Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view: portrait(SIZE), transparency: None };
+        let expected = reference(&frame, SIZE, None);
+        let images: Vec<_> = A_BUFFERS
+            .iter()
+            .map(|(name, storage, raster)| {
+                frame.transparency = Some(a_buffer(*storage, *raster));
+                let (actual, statistics) = render(&mut device, &frame, SIZE);
+                assert_eq!(statistics.fragments.merged, 0);
+                assert_close(&format!("ten thousand {opacity} {name}"), &actual, &expected, PROMISED);
+                let (again, _) = render(&mut device, &frame, SIZE);
+                assert_identical(&format!("ten thousand {opacity} {name} again"), &again, &actual);
+                actual
+            })
+            .collect();
+        assert_close(&format!("counted, walk against ribbons, {opacity}"), &images[0], &images[1], PROMISED);
+        assert_close(&format!("lists, walk against ribbons, {opacity}"), &images[2], &images[3], PROMISED);
+        assert_identical(&format!("walk, counted against lists, {opacity}"), &images[0], &images[2]);
+    }
+}
+
+#[test]
+fn a_few_wavy_splines_match_the_exact_composite() {
+    let Some(mut device) = device() else { return };
+    let strand = |number: usize| {
+        let phase = number as f32 * 1.7;
+        let x = -24.0 + 4.0 * number as f32;
+        (0..9).map(move |i| {
+            let u = i as f32 / 8.0;
+            [x + 5.0 * (9.0 * u + phase).sin(), 28.0 - 56.0 * u, 4.0 * (7.0 * u + phase).cos()]
+        })
+    };
+    let points = (0..13).flat_map(strand).collect();
+    let colours = (0..13).map(|i| [0.2 + 0.06 * i as f32, 0.9 - 0.05 * i as f32, 0.5]).collect();
+    let strands = Strands::new(points, &[9; 13], 0.7)
+        .unwrap()
+        .with_root_tip_radii(1.1, 0.2)
+        .unwrap()
+        .with_colours(colours)
+        .unwrap()
+        .with_curve(Curve::CatmullRom);
+    let mut hair = device.renderer.create_hair(&strands).unwrap();
+    hair.opacity = 0.6;
+    let (hairs, lights) = ([&hair], [key_light()]);
+    let size = [64, 64];
+    let view = pixel_view(size, 50.0);
+    let mut frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency: None };
+    let expected = reference(&frame, size, None);
+    for (name, storage, raster) in A_BUFFERS {
+        frame.transparency = Some(a_buffer(storage, raster));
+        let (actual, statistics) = render(&mut device, &frame, size);
+        assert_eq!(statistics.segments, 13 * 8 * 4, "a spline's segment is cut into four");
+        assert_close(&format!("wavy {name}"), &actual, &expected, PROMISED);
+    }
+}
+
+#[test]
+fn counters_add_up() {
+    let Some(mut device) = device() else { return };
+    let strands = builtin(BuiltinGroom::Straight, 500).unwrap();
+    let hair = device.renderer.create_hair(&strands).unwrap();
+    let hairs = [&hair];
+    let size = [64, 84];
+    let view = portrait(size);
+    let mut frame = Frame { hairs: &hairs, lights: &[], ambient: Vec3::ONE, view, transparency: None };
+    let expected = crate::common::scenes::lists(&frame, size, None).fragments.len() as f64;
+    for (name, storage, raster) in A_BUFFERS {
+        frame.transparency = Some(a_buffer(storage, raster));
+        let (_, statistics) = render(&mut device, &frame, size);
+        let fragments = statistics.fragments;
+        assert_eq!(fragments.produced, fragments.stored + fragments.merged + fragments.culled, "{name}");
+        assert_eq!(statistics.strands, 500);
+        // In f32 a sliver of a pixel may round to no coverage, or out of it.
+        let off = (fragments.produced as f64 / expected - 1.0).abs();
+        assert!(off < 2e-3, "{name}: {} fragments, {expected} expected", fragments.produced);
+    }
+}
+
+#[test]
+fn the_two_storages_give_the_same_image() {
+    let Some(mut device) = device() else { return };
+    let strands = builtin(BuiltinGroom::Curly, 300).unwrap();
+    let mut hair = device.renderer.create_hair(&strands).unwrap();
+    hair.opacity = 0.4;
+    let (hairs, lights) = ([&hair], [key_light()]);
+    let size = [96, 128];
+    let view = portrait(size);
+    for raster in [Raster::Walk, Raster::Ribbons] {
+        let images = [Storage::Counted, Storage::Lists].map(|storage| {
+            let transparency = Some(a_buffer(storage, raster));
+            let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency };
+            render(&mut device, &frame, size).0
+        });
+        assert_identical(&format!("storages {raster:?}"), &images[0], &images[1]);
+    }
+}

@@ -1,0 +1,5 @@
+//! Tests of `pelage::transparency`.
+
+mod a_buffer;
+mod opaque;
+mod overflow;
