@@ -10,5 +10,5 @@ mkdir -p out
 for groom in straight wavy curly; do
     echo "{\"hair\": \"builtin:$groom\"}" >"out/$groom.scene.json"
     cargo run --release --quiet --example render -- "out/$groom.scene.json" \
-        --out "out/$groom.exr" --stats "out/$groom.json" --frames 3
+        --out "out/$groom.exr" --stats "out/$groom.json"
 done

@@ -7,8 +7,10 @@ scripts/setup.sh --test
 
 # The software driver alone: golden images are its own. A host that chooses another has its reasons.
 if [ -z "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ]; then
-    driver=$(find /usr/share/vulkan/icd.d /usr/local/share/vulkan/icd.d /etc/vulkan/icd.d -name 'lvp_icd*.json' 2>/dev/null | paste -sd: -)
-    export VK_DRIVER_FILES="$driver" VK_ICD_FILENAMES="$driver"
+    shopt -s nullglob
+    drivers=(/usr/share/vulkan/icd.d/lvp_icd*.json /usr/local/share/vulkan/icd.d/lvp_icd*.json /etc/vulkan/icd.d/lvp_icd*.json)
+    VK_DRIVER_FILES=$(IFS=:; echo "${drivers[*]}")
+    export VK_DRIVER_FILES VK_ICD_FILENAMES="$VK_DRIVER_FILES"
 fi
 export VK_INSTANCE_LAYERS="${VK_INSTANCE_LAYERS:-VK_LAYER_KHRONOS_validation}"
 export XDG_RUNTIME_DIR="${XDG_RUNTIME_DIR:-${TMPDIR:-/tmp}}"

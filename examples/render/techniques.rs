@@ -205,15 +205,25 @@ impl Group {
     }
 
     /// The settings of the stem that a group's map selects.
-    fn settings<T: DeserializeOwned>(&self, map: &Map<String, Value>) -> Result<T> {
+    fn settings<T: DeserializeOwned>(&self, stem: &str, map: &Map<String, Value>) -> Result<T> {
+        let (name, selector) = (self.name, self.selector);
+        let known = self.keys(stem);
+        if let Some(key) = map
+            .keys()
+            .find(|key| *key != selector && !known.contains(key))
+        {
+            let known: Vec<&str> = [selector]
+                .into_iter()
+                .chain(known.iter().map(String::as_str))
+                .collect();
+            let known = known.join(", ");
+            return Err(format!(
+                "{name}.{key} is unknown; with {selector} \"{stem}\" the keys are {known}"
+            ));
+        }
         let mut settings = map.clone();
-        settings.shift_remove(self.selector);
-        typed(self.name, Value::Object(settings)).map_err(|error| {
-            error.replace(
-                "expected one of",
-                &format!("expected {}, or one of", self.selector),
-            )
-        })
+        settings.shift_remove(selector);
+        typed(name, Value::Object(settings))
     }
 
     /// The names of a stem's settings.
@@ -235,9 +245,10 @@ impl Group {
 /// The shading model that a group selects. `sigma_a` is the fibre's absorption, from which colours follow that the group
 /// does not give.
 pub fn shading(map: &Map<String, Value>, sigma_a: [f32; 3]) -> Result<Shading> {
-    match SHADING.stem(map)? {
+    let stem = SHADING.stem(map)?;
+    match stem {
         "kajiya_kay" => {
-            let keys: KajiyaKayKeys = SHADING.settings(map)?;
+            let keys: KajiyaKayKeys = SHADING.settings(stem, map)?;
             let of_fibre = || KajiyaKay::diffuse_of(Vec3::from(sigma_a));
             Ok(Shading::KajiyaKay(KajiyaKay {
                 diffuse: keys.diffuse.map_or_else(of_fibre, Vec3::from),
@@ -245,16 +256,17 @@ pub fn shading(map: &Map<String, Value>, sigma_a: [f32; 3]) -> Result<Shading> {
                 exponent: keys.exponent,
             }))
         }
-        stem => unreachable!("{stem} is listed and not handled"),
+        _ => unreachable!("{stem} is listed and not handled"),
     }
 }
 
 /// The shadow technique that a group selects.
 pub fn shadow(map: &Map<String, Value>) -> Result<Shadow> {
-    match SHADOW.stem(map)? {
-        "none" => SHADOW.settings::<NoKeys>(map).map(|_| Shadow::None),
+    let stem = SHADOW.stem(map)?;
+    match stem {
+        "none" => SHADOW.settings::<NoKeys>(stem, map).map(|_| Shadow::None),
         "deep_opacity_map" => {
-            let keys: DeepOpacityMapKeys = SHADOW.settings(map)?;
+            let keys: DeepOpacityMapKeys = SHADOW.settings(stem, map)?;
             Ok(Shadow::DeepOpacityMap(DeepOpacityMap {
                 resolution: keys.resolution,
                 layers: keys.layers,
@@ -263,21 +275,22 @@ pub fn shadow(map: &Map<String, Value>) -> Result<Shadow> {
                 raster: keys.raster.raster(),
             }))
         }
-        stem => unreachable!("{stem} is listed and not handled"),
+        _ => unreachable!("{stem} is listed and not handled"),
     }
 }
 
 /// The transparency technique that a group selects.
 pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
-    match TRANSPARENCY.stem(map)? {
+    let stem = TRANSPARENCY.stem(map)?;
+    match stem {
         "opaque" => {
-            let keys: OpaqueKeys = TRANSPARENCY.settings(map)?;
+            let keys: OpaqueKeys = TRANSPARENCY.settings(stem, map)?;
             Ok(Transparency::Opaque(Opaque {
                 raster: keys.raster.raster(),
             }))
         }
         "a_buffer" => {
-            let keys: ABufferKeys = TRANSPARENCY.settings(map)?;
+            let keys: ABufferKeys = TRANSPARENCY.settings(stem, map)?;
             let storage = match keys.storage {
                 StorageKey::Counted => Storage::Counted,
                 StorageKey::Lists => Storage::Lists,
@@ -288,7 +301,7 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
                 pool_bytes: keys.pool_bytes,
             }))
         }
-        stem => unreachable!("{stem} is listed and not handled"),
+        _ => unreachable!("{stem} is listed and not handled"),
     }
 }
 
