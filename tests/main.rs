@@ -2,9 +2,11 @@
 
 mod common;
 mod composite;
+mod frame;
 mod groom;
 mod raster;
 mod render;
 mod shaders;
 mod shading;
+mod shadow;
 mod transparency;
