@@ -26,6 +26,11 @@ fn white(device: &mut Device, points: Vec<[f32; 3]>, counts: &[u32], radius: f32
     hair
 }
 
+/// An orthographic frame with ambient light of 1.
+fn plain<'a>(hairs: &'a [&'a Hair], lights: &'a [Light]) -> Frame<'a> {
+    Frame { hairs, lights, ambient: Vec3::ONE, view: pixel_view(SIZE, 20.0), transparency: None }
+}
+
 /// Both storages by both rasterisers, and the opaque technique by both.
 fn techniques() -> Vec<Transparency> {
     let opaque = [Raster::Walk, Raster::Ribbons].map(|raster| Transparency::Opaque(Opaque { raster }));
@@ -36,7 +41,6 @@ fn techniques() -> Vec<Transparency> {
 fn check(device: &mut Device, name: &str, hairs: &[&Hair], view: View, size: [u32; 2]) {
     let lights = [light()];
     for raster in [Raster::Walk, Raster::Ribbons] {
-        device.forget();
         let transparency = Some(a_buffer(Storage::Counted, raster));
         let frame = Frame { hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency };
         let (actual, _) = render(device, &frame, size);
@@ -76,7 +80,7 @@ fn strands_of_one_point_draw_nothing_and_disturb_no_other() {
 fn segments_without_a_length_change_nothing() {
     let Some(mut device) = device() else { return };
     let (a, b, c) = ([-20.0, -11.3, 0.0], [0.2, 1.1, 0.0], [20.0, 9.7, 0.0]);
-    let plain = white(&mut device, vec![a, b, c], &[3], 0.4);
+    let undoubled = white(&mut device, vec![a, b, c], &[3], 0.4);
     let lights = [light()];
     for (name, points) in [
         ("doubled middle", vec![a, b, b, c]),
@@ -88,12 +92,11 @@ fn segments_without_a_length_change_nothing() {
         let count = points.len() as u32;
         let hair = white(&mut device, points, &[count], 0.4);
         for raster in [Raster::Walk, Raster::Ribbons] {
-            let of = |hairs| {
-                let transparency = Some(a_buffer(Storage::Counted, raster));
-                Frame { hairs, lights: &lights, ambient: Vec3::ZERO, view: pixel_view(SIZE, 10.0), transparency }
-            };
-            let expected = reference(&of(&[&plain]), SIZE, None);
-            let (actual, _) = render(&mut device, &of(&[&hair]), SIZE);
+            let transparency = Some(a_buffer(Storage::Counted, raster));
+            let view = pixel_view(SIZE, 10.0);
+            let frame = Frame { hairs: &[&undoubled], lights: &lights, ambient: Vec3::ZERO, view, transparency };
+            let expected = reference(&frame, SIZE, None);
+            let (actual, _) = render(&mut device, &Frame { hairs: &[&hair], ..frame }, SIZE);
             assert_close(&format!("{name} {raster:?}"), &actual, &expected, TOLERANCE);
         }
     }
@@ -207,6 +210,7 @@ fn targets_of_extreme_shapes_are_drawn() {
             [-reach, -0.2 * reach, 0.0], [reach, 0.2 * reach, 0.0],
             [-0.1, -reach, 1.0], [0.1, reach, 1.0],
         ];
+        device.forget();
         let mut hair = white(&mut device, points, &[2, 2], 0.3);
         hair.opacity = 0.8;
         check(&mut device, &format!("{size:?}"), &[&hair], pixel_view(size, 10.0), size);
@@ -250,9 +254,8 @@ fn two_hairs_are_composited_in_the_order_of_their_strands() {
     (one.shading, other.shading) = (model(1.0, 0.0), model(0.0, 1.0));
     let view = pixel_view(SIZE, 20.0);
     check(&mut device, "two hairs", &[&one, &other], view, SIZE);
-    let frame = |hairs| Frame { hairs, lights: &[], ambient: Vec3::ONE, view, transparency: None };
-    let (first, _) = render(&mut device, &frame(&[&one, &other]), SIZE);
-    let (second, _) = render(&mut device, &frame(&[&other, &one]), SIZE);
+    let (first, _) = render(&mut device, &plain(&[&one, &other], &[]), SIZE);
+    let (second, _) = render(&mut device, &plain(&[&other, &one], &[]), SIZE);
     assert_identical("the order in which they are given", &second, &first);
 }
 
@@ -320,25 +323,23 @@ fn conflicting_wishes_are_an_error_unless_the_frame_decides() {
     let Some(mut device) = device() else { return };
     let points = vec![[-20.0, 0.3, 0.0], [20.0, 0.3, 0.0]];
     let mut hairs = [0, 1].map(|_| white(&mut device, points.clone(), &[2], 1.0));
-    let view = pixel_view(SIZE, 10.0);
     let lights = [Light::directional(DVec3::NEG_Z, Vec3::ONE)];
-    let frame = |hairs, lights| Frame { hairs, lights, ambient: Vec3::ONE, view, transparency: None };
 
     hairs[0].transparency = Some(Transparency::Opaque(Opaque::default()));
-    draw(&mut device, &frame(&[&hairs[0], &hairs[1]], &lights)).unwrap();
+    draw(&mut device, &plain(&[&hairs[0], &hairs[1]], &lights)).unwrap();
     hairs[1].transparency = Some(Transparency::ABuffer(ABuffer::default()));
-    let conflict = frame(&[&hairs[0], &hairs[1]], &lights);
-    let refused = draw(&mut device, &conflict);
+    let refused = draw(&mut device, &plain(&[&hairs[0], &hairs[1]], &lights));
     assert!(matches!(&refused, Err(Error::Conflict(m)) if m.contains("opaque") && m.contains("a_buffer")), "{refused:?}");
-    draw(&mut device, &Frame { transparency: hairs[1].transparency, ..conflict }).unwrap();
+    let transparency = hairs[1].transparency;
+    draw(&mut device, &Frame { transparency, ..plain(&[&hairs[0], &hairs[1]], &lights) }).unwrap();
 
     hairs[0].transparency = None;
     hairs[0].shadow = Some(Shadow::None);
     hairs[1].shadow = Some(Shadow::default());
-    let refused = draw(&mut device, &frame(&[&hairs[0], &hairs[1]], &lights));
+    let refused = draw(&mut device, &plain(&[&hairs[0], &hairs[1]], &lights));
     assert!(matches!(&refused, Err(Error::Conflict(m)) if m.contains("shadow")), "{refused:?}");
-    draw(&mut device, &frame(&[&hairs[0], &hairs[1]], &[light()])).unwrap();
-    draw(&mut device, &frame(&[&hairs[0], &hairs[1]], &[])).unwrap();
+    draw(&mut device, &plain(&[&hairs[0], &hairs[1]], &[light()])).unwrap();
+    draw(&mut device, &plain(&[&hairs[0], &hairs[1]], &[])).unwrap();
 }
 
 /// Changes one value of a scene.
@@ -353,8 +354,6 @@ fn values_that_are_not_finite_or_out_of_range_are_refused_by_name() {
             _ => panic!("another model"),
         }
     }
-    let nan = f64::NAN;
-    assert!(nan.is_nan());
     let breaks: Vec<Break> = vec![
         ("world_from_object", "NaN", |hair, _, _, _| hair.world_from_object.w_axis.x = f64::NAN),
         ("world_from_object", "infinite", |hair, _, _, _| hair.world_from_object.x_axis.x = f64::INFINITY),
@@ -421,8 +420,8 @@ fn targets_that_do_not_fit_are_refused() {
     let both = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING;
     let colour = texture(&device, SIZE, 1, Format::Rgba16Float, both);
     let depth = texture(&device, SIZE, 1, Format::Depth32Float, both);
-    let plain = Target { colour: &colour, depth: Some(&depth), clear: true, write_depth: true, receive_shadow: true };
-    device.render(&frame, &plain).unwrap();
+    let fitting = Target { colour: &colour, depth: Some(&depth), clear: true, write_depth: true, receive_shadow: true };
+    device.render(&frame, &fitting).unwrap();
 
     let several = texture(&device, SIZE, 4, Format::Rgba16Float, Usage::RENDER_ATTACHMENT);
     let unusable = texture(&device, SIZE, 1, Format::Rgba16Float, Usage::TEXTURE_BINDING);
@@ -432,23 +431,23 @@ fn targets_that_do_not_fit_are_refused() {
     let unwritable_depth = texture(&device, SIZE, 1, Format::Depth32Float, Usage::TEXTURE_BINDING);
     let several_depths = texture(&device, SIZE, 4, Format::Depth32Float, both);
     let cases = [
-        ("4 samples", Target { colour: &several, ..plain }),
-        ("usage", Target { colour: &unusable, ..plain }),
-        ("Rgba8Uint", Target { colour: &integer, ..plain }),
-        ("Depth32Float", Target { colour: &depth, ..plain }),
-        ("Rgba16Float", Target { depth: Some(&colour), ..plain }),
-        ("63×64", Target { depth: Some(&small_depth), ..plain }),
-        ("usage", Target { depth: Some(&unread_depth), ..plain }),
-        ("usage", Target { depth: Some(&unwritable_depth), ..plain }),
-        ("4 samples", Target { depth: Some(&several_depths), ..plain }),
-        ("need a depth", Target { depth: None, ..plain }),
+        ("4 samples", Target { colour: &several, ..fitting }),
+        ("usage", Target { colour: &unusable, ..fitting }),
+        ("Rgba8Uint", Target { colour: &integer, ..fitting }),
+        ("Depth32Float", Target { colour: &depth, ..fitting }),
+        ("Rgba16Float", Target { depth: Some(&colour), ..fitting }),
+        ("63×64", Target { depth: Some(&small_depth), ..fitting }),
+        ("usage", Target { depth: Some(&unread_depth), ..fitting }),
+        ("usage", Target { depth: Some(&unwritable_depth), ..fitting }),
+        ("4 samples", Target { depth: Some(&several_depths), ..fitting }),
+        ("need a depth", Target { depth: None, ..fitting }),
     ];
     for (named, target) in cases {
         let refused = device.render(&frame, &target);
         let fine = matches!(&refused, Err(Error::InvalidValue(m) | Error::Unsupported(m)) if m.contains(named));
         assert!(fine, "{named}: {:?}", refused.map(|_| ()));
     }
-    device.render(&frame, &Target { depth: Some(&unwritable_depth), write_depth: false, ..plain }).unwrap();
+    device.render(&frame, &Target { depth: Some(&unwritable_depth), write_depth: false, ..fitting }).unwrap();
 }
 
 #[test]
