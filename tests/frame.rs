@@ -115,21 +115,49 @@ fn a_strand_whose_points_all_coincide_draws_nothing() {
     }
 }
 
+/// Strands from in front of the eye to behind it; `back` again or on.
+fn through_the_near_plane(back: bool) -> Vec<[f32; 3]> {
+    let strand = |i: i32| {
+        let angle = f64::from(i) * 0.26 + 0.05;
+        let (x, y) = (0.3 * angle.cos() as f32, 0.3 * angle.sin() as f32);
+        let last = if back { [x, -y, -2.0] } else { [x, y, 2.0] };
+        [[x, y, -3.0], [0.6 * x, 0.8 * y, -0.9], [0.9 * x, 0.5 * y, 0.8], last]
+    };
+    (0..24).flat_map(strand).collect()
+}
+
+fn near_view() -> View {
+    View::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.2, 1.0, [0.2, 10.0]).unwrap()
+}
+
 #[test]
 fn strands_through_the_near_plane_are_cut_there() {
     let Some(mut device) = device() else { return };
-    let mut points = Vec::new();
-    for i in 0..24 {
-        let angle = f64::from(i) * 0.26;
-        let (x, y) = (0.3 * angle.cos() as f32, 0.3 * angle.sin() as f32);
-        // From in front of the eye to behind it, and every third one back again.
-        points.extend([[x, y, -3.0], [0.6 * x, 0.8 * y, -0.9], [0.9 * x, 0.5 * y, 0.8]]);
-        points.push(if i % 3 == 0 { [x, -y, -2.0] } else { [x, y, 2.0] });
-    }
-    let mut hair = white(&mut device, points, &[4; 24], 0.01);
+    let mut hair = white(&mut device, through_the_near_plane(false), &[4; 24], 0.01);
     hair.opacity = 0.6;
-    let view = View::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.2, 1.0, [0.2, 10.0]).unwrap();
-    check(&mut device, "near plane", &[&hair], view, SIZE);
+    check(&mut device, "near plane", &[&hair], near_view(), SIZE);
+}
+
+#[test]
+fn strands_that_pass_the_near_plane_twice_keep_both_parts() {
+    let Some(mut device) = device() else { return };
+    let mut hair = white(&mut device, through_the_near_plane(true), &[4; 24], 0.01);
+    hair.opacity = 0.6;
+    check(&mut device, "near plane twice", &[&hair], near_view(), SIZE);
+}
+
+#[test]
+fn an_eye_among_the_hair_sees_the_same_by_either_rasteriser() {
+    let Some(mut device) = device() else { return };
+    let strands = builtin(BuiltinGroom::Wavy, 300).unwrap();
+    let mut hair = device.renderer.create_hair(&strands).unwrap();
+    (hair.shading, hair.opacity) = (WHITE, 0.7);
+    let size = [128, 128];
+    let eye = DVec3::new(0.0, 0.05, 0.0);
+    for (name, axis) in [("x", DVec3::X), ("-x", DVec3::NEG_X), ("z", DVec3::Z), ("-z", DVec3::NEG_Z)] {
+        let view = View::perspective(eye, eye + axis, DVec3::Y, std::f64::consts::FRAC_PI_2, 1.0, [1e-4, 10.0]).unwrap();
+        check(&mut device, &format!("among the hair {name}"), &[&hair], view, size);
+    }
 }
 
 #[test]
