@@ -146,6 +146,10 @@ fn strands_that_pass_the_near_plane_twice_keep_both_parts() {
     check(&mut device, "near plane twice", &[&hair], near_view(), SIZE);
 }
 
+/// A few strands that pass the near plane so close to the eye that f32 steps by 0.004 px there are off by more:
+/// measured RMSE 1.5e-3 downwards, and below 4e-4 in the other directions.
+const AMONG: Tolerance = Tolerance { rmse: 3e-3, p99: 4e-3 };
+
 #[test]
 fn an_eye_among_the_hair_sees_the_same_by_either_rasteriser() {
     let Some(mut device) = device() else { return };
@@ -154,9 +158,19 @@ fn an_eye_among_the_hair_sees_the_same_by_either_rasteriser() {
     (hair.shading, hair.opacity) = (WHITE, 0.7);
     let size = [128, 128];
     let eye = DVec3::new(0.0, 0.05, 0.0);
-    for (name, axis) in [("x", DVec3::X), ("-x", DVec3::NEG_X), ("z", DVec3::Z), ("-z", DVec3::NEG_Z)] {
-        let view = View::perspective(eye, eye + axis, DVec3::Y, std::f64::consts::FRAC_PI_2, 1.0, [1e-4, 10.0]).unwrap();
-        check(&mut device, &format!("among the hair {name}"), &[&hair], view, size);
+    let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+    for (name, axis) in ["x", "-x", "y", "-y", "z", "-z"].into_iter().zip(axes) {
+        let up = axis.any_orthonormal_vector();
+        let view = View::perspective(eye, eye + axis, up, std::f64::consts::FRAC_PI_2, 1.0, [1e-4, 10.0]).unwrap();
+        let images = [Raster::Walk, Raster::Ribbons].map(|raster| {
+            let transparency = Some(Transparency::ABuffer(ABuffer { raster, pool_bytes: Some(64 << 20), ..Default::default() }));
+            let frame = Frame { hairs: &[&hair], lights: &[light()], ambient: Vec3::ZERO, view, transparency };
+            let (image, statistics) = render(&mut device, &frame, size);
+            eprintln!("among the hair {name} {raster:?}: {:?}", statistics.fragments);
+            assert_close(&format!("among the hair {name} {raster:?}"), &image, &reference(&frame, size, None), AMONG);
+            image
+        });
+        assert_close(&format!("among the hair {name}, both"), &images[1], &images[0], AMONG);
     }
 }
 

@@ -101,11 +101,11 @@ fn more_hair_in_front_never_brightens() {
 }
 
 /// The frame as it would be with exact transmittance at every strand point, averaged over the filter's footprint.
-fn exact(frame: &Frame, size: [u32; 2], towards: DVec3, footprint: f64) -> Image {
+fn exact(frame: &Frame, size: [u32; 2], light: Towards, footprint: f64) -> Image {
     let world = world(frame.hairs);
     let occluders = Occluders::new(&world.strands);
     let alpha = f64::from(frame.hairs[0].opacity);
-    let query = Query { light: Towards::Directional { towards }, alpha, footprint, samples: 32 };
+    let query = Query { light, alpha, footprint, samples: 32 };
     let mut points = Vec::new();
     for strand in 0..world.strands.len() {
         let range = world.strands.range(strand);
@@ -131,7 +131,7 @@ fn the_error_falls_or_stays_with_the_number_of_layers() {
         let lights = [unshadowed(direction, Vec3::ONE)];
         let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view: portrait(size), transparency: OPAQUE };
         // The hair's extent is about 0.55 m: 3 of 512 texels are 3.2 mm wide; the disc of the same area.
-        let expected = exact(&frame, size, -direction, 0.0032 / std::f64::consts::PI.sqrt());
+        let expected = exact(&frame, size, Towards::Directional { towards: -direction }, 0.0032 / std::f64::consts::PI.sqrt());
         let lit = draw(&mut device, &hairs, &lights, size, frame.view);
         let unshadowed = colour_error(&lit, &expected, None);
         let errors: Vec<ImageError> = [2, 4, 8, 16, 32]
@@ -185,6 +185,34 @@ fn both_rasterisers_fill_the_same_map_of_a_point_light() {
 fn both_rasterisers_fill_the_same_maps_of_a_light_among_the_hair() {
     let kind = LightKind::Point { position: DVec3::new(0.0, 0.05, 0.0), intensity: Vec3::splat(0.02) };
     check_maps("cube map", kind);
+}
+
+/// By either rasteriser, the whole light that hair sends to the eye is that of exact shadows, within this part.
+const CUBE: f64 = 0.25;
+
+#[test]
+fn a_light_among_the_hair_is_shadowed_about_exactly() {
+    let Some(mut device) = device() else { return };
+    let size = [82, 107];
+    let strands = builtin(BuiltinGroom::Wavy, 1_000).unwrap();
+    let mut hair = device.renderer.create_hair(&strands).unwrap();
+    (hair.shading, hair.opacity) = (WHITE, 0.7);
+    let hairs = [&hair];
+    let position = DVec3::new(0.0, 0.05, 0.0);
+    let kind = LightKind::Point { position, intensity: Vec3::splat(0.02) };
+    let lights = [Light { kind, shadow: Some(Shadow::None) }];
+    let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view: portrait(size), transparency: OPAQUE };
+    let sum = |image: &Image| image.pixels.iter().map(|p| p[0]).sum::<f64>();
+    let expected = sum(&exact(&frame, size, Towards::Point { position }, 0.001));
+    let lit = sum(&draw(&mut device, &hairs, &lights, size, frame.view));
+    let sums = [Raster::Walk, Raster::Ribbons].map(|raster| {
+        let light = shadowed(kind, DeepOpacityMap { resolution: 256, layers: 16, raster, ..Default::default() });
+        sum(&draw(&mut device, &hairs, &[light], size, frame.view))
+    });
+    eprintln!("among the hair: exact {expected}, unshadowed {lit}, walk {}, ribbons {}", sums[0], sums[1]);
+    for (raster, sum) in [Raster::Walk, Raster::Ribbons].into_iter().zip(sums) {
+        assert!((sum / expected - 1.0).abs() < CUBE, "{raster:?}: {sum}, exact {expected}, unshadowed {lit}");
+    }
 }
 
 #[test]
