@@ -187,7 +187,7 @@ fn both_rasterisers_fill_the_same_maps_of_a_light_among_the_hair() {
     check_maps("cube map", kind);
 }
 
-/// By either rasteriser, the whole light that hair sends to the eye is that of exact shadows, within this part.
+/// Too small a map sees fibres wider than they are. By either rasteriser, the whole light that hair sends to the eye is that of exact shadows, within this part.
 const CUBE: f64 = 0.25;
 
 #[test]
