@@ -3,9 +3,11 @@
 mod capi;
 mod common;
 mod composite;
+mod frame;
 mod groom;
 mod raster;
 mod render;
 mod shaders;
 mod shading;
+mod shadow;
 mod transparency;

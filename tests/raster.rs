@@ -173,6 +173,7 @@ fn bent(lengths: [f64; 2], turns: impl Iterator<Item = f64>) -> Vec<[f32; 3]> {
 }
 
 fn check_bends(device: &mut Device, name: &str, points: &[[f32; 3]], radius: f32) {
+    device.forget();
     let strands = Strands::new(points.to_vec(), &vec![3; points.len() / 3], radius).unwrap();
     let hair = hair(device, &strands, 0.7);
     let hairs = [&hair];

@@ -66,7 +66,7 @@ impl Drop for Device {
 }
 
 impl Device {
-    /// Makes a renderer that remembers no frame.
+    /// Makes a renderer that remembers no frame. Hair made before is the old one's, and not to be drawn any more.
     pub fn forget(&mut self) {
         let (device, queue) = (self.renderer.device().clone(), self.renderer.queue().clone());
         self.renderer = Renderer::new(&device, &queue).unwrap();

@@ -1,0 +1,4 @@
+//! Tests of `pelage::shadow`.
+
+mod deep_opacity_map;
+mod none;
