@@ -3,14 +3,22 @@
 //
 // Several lights and the ambient term weigh by their power, which is exact for one light and a white diffuse scene.
 
+struct ReceiveVertex {
+    @builtin(position) position: vec4f,
+    // By way of the vertices, since one software driver compiles a fragment shader anew, at every draw, whose loop ends
+    // at a uniform.
+    @location(0) @interpolate(flat, either) light_count: u32,
+}
+
 @vertex
-fn receive_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
+fn receive_vertex(@builtin(vertex_index) vertex: u32) -> ReceiveVertex {
     let corner = vec2f(f32((vertex << 1u) & 2u), f32(vertex & 2u));
-    return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
+    return ReceiveVertex(vec4f(corner * 2.0 - 1.0, 0.0, 1.0), frame.light_count);
 }
 
 @fragment
-fn receive(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
+fn receive(in: ReceiveVertex) -> @location(0) vec4f {
+    let pixel = in.position;
     let depth = textureLoad(host_depth, vec2u(pixel.xy), 0);
     let far = select(1.0, 0.0, (frame.flags & FRAME_REVERSE_Z) != 0u);
     if depth == far { discard; }
@@ -19,7 +27,7 @@ fn receive(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let position = homogeneous.xyz / homogeneous.w;
     var total = frame.ambient;
     var reached = frame.ambient;
-    for (var light = 0u; light < frame.light_count; light++) {
+    for (var light = 0u; light < in.light_count; light++) {
         let place = frame.lights[light].place;
         let to_light = place.xyz - position * place.w;
         let power = frame.lights[light].power * select(1.0, 1.0 / max(dot(to_light, to_light), 1e-20), place.w > 0.0);

@@ -143,10 +143,6 @@ impl Geometry {
         self.strands = strands;
         Ok(())
     }
-
-    pub fn point_count(&self) -> u64 {
-        self.runs.iter().map(|run| u64::from(run.count).next_multiple_of(RUN_ALIGNMENT as u64)).sum()
-    }
 }
 
 /// The most points of one run: what one binding of 16-byte points holds.
@@ -182,7 +178,7 @@ fn spread_bits(value: u32) -> u32 {
 
 /// Cuts curves, orders strands, and parts them into runs of at most `limit` points.
 fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
-    let pieces = if strands.curve() == Curve::Polyline { 1 } else { CURVE_PIECES };
+    let pieces = curve_pieces(strands);
     let cut = if pieces == 1 { None } else { Some(tessellate(strands, pieces)?) };
     let strands = cut.as_ref().unwrap_or(strands);
     let (low, high) = strands.bounds().unwrap_or_default();
@@ -228,8 +224,34 @@ fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
     Ok(packed)
 }
 
-/// Straight pieces of one curved segment.
-const CURVE_PIECES: u32 = 4;
+/// The turn of a cut curve's joints, in radians, that shows no corner.
+const SMOOTH_TURN: f64 = 0.3;
+/// Straight pieces of one curved segment at most.
+const MAX_CURVE_PIECES: u32 = 8;
+/// The part of all joints whose turn decides.
+const TURN_QUANTILE: f64 = 0.9;
+
+/// Straight pieces of each curved segment, so that nine of ten joints turn by no more than what looks smooth.
+fn curve_pieces(strands: &Strands) -> u32 {
+    if strands.curve() == Curve::Polyline {
+        return 1;
+    }
+    let mut turns: Vec<f32> = Vec::new();
+    for strand in 0..strands.strand_count() {
+        let points = &strands.points()[strands.range(strand)];
+        for joint in points.windows(3) {
+            let [a, b, c] = [joint[0], joint[1], joint[2]].map(Vec3::from);
+            turns.push((b - a).angle_between(c - b));
+        }
+    }
+    turns.retain(|turn| turn.is_finite());
+    if turns.is_empty() {
+        return 1;
+    }
+    let at = ((turns.len() - 1) as f64 * TURN_QUANTILE) as usize;
+    let (_, turn, _) = turns.select_nth_unstable_by(at, f32::total_cmp);
+    ((f64::from(*turn) / SMOOTH_TURN).ceil() as u32).clamp(1, MAX_CURVE_PIECES)
+}
 
 /// Fills up to the alignment with strands of one point, which draw nothing.
 fn pad(packed: &mut Packed) {
