@@ -251,12 +251,13 @@ impl Plan {
                 pcf: settings.pcf,
                 layer_count: settings.layers,
                 layer_extent: extent as f32,
-                bias: (2.0 * radius + 0.5 * texel) as f32,
+                bias: (2.0 * radius + 0.25 * f64::from(settings.pcf + 1) * texel) as f32,
                 ..*uniform
             };
             self.shadowed = true;
             for camera in cameras.views {
-                self.add_map(frame, placed, settings, &camera, extent, texel, radius, gpu)?;
+                let half_width = radius * f64::from(settings.resolution) / cameras.nearest_width;
+                self.add_map(frame, placed, settings, &camera, extent, half_width, gpu)?;
             }
         }
         Ok(())
@@ -270,8 +271,7 @@ impl Plan {
         settings: DeepOpacityMap,
         camera: &LightCamera,
         extent: f64,
-        texel: f64,
-        radius: f64,
+        half_width: f64,
         gpu: &Gpu,
     ) -> Result<()> {
         let texels = u64::from(settings.resolution).pow(2);
@@ -293,7 +293,6 @@ impl Plan {
             padding_0: 0,
             padding_1: 0,
         };
-        let half_width = radius / texel.max(f64::MIN_POSITIVE);
         let seen = Seen { half_width_px: half_width, length_px: f64::from(settings.resolution), fragments: 0.0 };
         let drawings = self.drawings(
             frame,
@@ -453,7 +452,10 @@ fn view_size(clip_from_relative: &DMat4, placed: &[Placed], frame: &Frame, width
         let nearest = placed.corners.iter().map(distance).fold(f64::INFINITY, f64::min);
         let middle = placed.corners.iter().map(distance).sum::<f64>() / 8.0;
         let diagonal = placed.corners[0].distance(placed.corners[7]);
-        let px = |distance: f64| focal / distance.max(diagonal * 1e-3).max(f64::MIN_POSITIVE);
+        let parallel = clip_from_relative.row(3).truncate().length() < 1e-12;
+        let px = |distance: f64| {
+            if parallel { focal / distance } else { focal / distance.max(diagonal * 1e-3).max(f64::MIN_POSITIVE) }
+        };
         let longest = (diagonal * px(nearest)).min(2.0 * screen);
         seen.half_width_px = seen.half_width_px.max((placed.radius * px(nearest)).min(screen));
         seen.length_px = seen.length_px.max(longest);
@@ -497,8 +499,9 @@ struct LightCameras {
     views: Vec<LightCamera>,
     /// Depth range of the hair.
     extent: f64,
-    /// Width of a map at the hair's middle.
+    /// Width of a map at the hair's middle, and at the nearest hair.
     width: f64,
+    nearest_width: f64,
 }
 
 /// Fits a light's maps to the corners of all hairs' boxes.
@@ -514,13 +517,21 @@ fn light_cameras(place: DVec4, corners: &[DVec3], radius: f64) -> LightCameras {
     if distance > 1.2 * size {
         let half_angle = (size / distance).asin();
         let near = distance - size;
-        let camera = point_camera(light, centre - light, half_angle, near);
-        return LightCameras { views: vec![camera], extent: 2.0 * size, width: 2.0 * distance * half_angle.tan() };
+        let camera = point_camera(light, centre - light, half_angle, near, 0.5 * near);
+        let width = |distance: f64| 2.0 * distance * half_angle.tan();
+        return LightCameras {
+            views: vec![camera],
+            extent: 2.0 * size,
+            width: width(distance),
+            nearest_width: width(near),
+        };
     }
     // The light is among the hair: a cube.
     let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-    let views = axes.map(|axis| point_camera(light, axis, std::f64::consts::FRAC_PI_4, 0.0)).into();
-    LightCameras { views, extent: distance + size, width: distance + size }
+    // Hair closer to the light than this casts no shadow.
+    let plane = 0.01 * size;
+    let views = axes.map(|axis| point_camera(light, axis, std::f64::consts::FRAC_PI_4, 0.0, plane)).into();
+    LightCameras { views, extent: distance + size, width: distance + size, nearest_width: 2.0 * plane }
 }
 
 /// Two unit vectors that complete a direction.
@@ -547,18 +558,18 @@ fn directional_camera(axis: DVec3, corners: &[DVec3], margin: f64) -> LightCamer
     let z_row = depth_row * (0.5 / (z1 - z0)) + DVec4::W * 0.25;
     let rows = DMat4::from_cols(row(right, x0, x1), row(up, y0, y1), z_row, DVec4::W);
     let camera = LightCamera { clip_from_relative: rows.transpose(), depth_row, eye: (-axis).extend(0.0) };
-    LightCameras { views: vec![camera], extent: z1 - z0, width: (x1 - x0).max(y1 - y0) }
+    let width = (x1 - x0).max(y1 - y0);
+    LightCameras { views: vec![camera], extent: z1 - z0, width, nearest_width: (x1 - x0).min(y1 - y0) }
 }
 
 /// A perspective camera at a light; depth is the distance along the axis beyond `near`.
-fn point_camera(light: DVec3, direction: DVec3, half_angle: f64, near: f64) -> LightCamera {
+fn point_camera(light: DVec3, direction: DVec3, half_angle: f64, near: f64, plane: f64) -> LightCamera {
     let axis = direction.normalize();
     let (right, up) = basis(axis);
     let row = |direction: DVec3| direction.extend(-direction.dot(light));
     let focal = 1.0 / half_angle.tan();
     let along = row(axis);
-    // Clip depth 1 - plane / distance: no far plane, the near one before the hair or close to the light.
-    let plane = (0.5 * near).max(1e-4);
+    // Clip depth 1 - plane / distance: no far plane.
     let rows = DMat4::from_cols(row(right) * focal, row(up) * focal, along - DVec4::W * plane, along);
     LightCamera {
         clip_from_relative: rows.transpose(),

@@ -1,5 +1,7 @@
 //! The renderer: a device's pipelines and pools, and the calls that make hair and record frames.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use crate::error::{Error, Result};
 use crate::frame::{self, Frame, Target};
 use crate::geometry::{Geometry, Hair};
@@ -9,13 +11,15 @@ use crate::plan::Plan;
 use crate::resources::Resources;
 use crate::statistics::{Fragments, Statistics};
 
+/// Tells the hairs of all renderers apart.
+static SERIAL: AtomicU64 = AtomicU64::new(1);
+
 /// Renders hair on one device. Use it from one thread at a time.
 ///
 /// It holds pipelines, which are made at their first use, and pools, which grow as frames need them and are kept.
 pub struct Renderer {
     gpu: Gpu,
     resources: Resources,
-    serial: u64,
     statistics: Statistics,
 }
 
@@ -27,7 +31,7 @@ impl Renderer {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let gpu = Gpu::new(device, queue)?;
         let resources = Resources::new(&gpu)?;
-        Ok(Self { gpu, resources, serial: 0, statistics: Statistics::default() })
+        Ok(Self { gpu, resources, statistics: Statistics::default() })
     }
 
     /// Uploads strands as a hair with default shading, fully opaque fibres, and no wishes.
@@ -35,14 +39,13 @@ impl Renderer {
     /// # Errors
     /// More points than the device binds; no memory left, on the device or in the byte budget.
     pub fn create_hair(&mut self, strands: &Strands) -> Result<Hair> {
-        self.serial += 1;
         Ok(Hair {
             world_from_object: glam::DMat4::IDENTITY,
             opacity: 1.0,
             shading: Default::default(),
             shadow: None,
             transparency: None,
-            geometry: Geometry::new(&self.gpu, strands, self.serial)?,
+            geometry: Geometry::new(&self.gpu, strands, SERIAL.fetch_add(1, Ordering::Relaxed))?,
         })
     }
 

@@ -152,11 +152,15 @@ const PROJECTED_FIRST: u32 = 0x80000000u;
 const PROJECTED_LAST: u32 = 0x40000000u;
 // The turn is so sharp that both segments end here.
 const PROJECTED_BREAK: u32 = 0x20000000u;
-// Behind the near plane; the next two say for which segment the near plane's crossing is stored instead.
+// Behind the near plane; the next two say which of the point's segments cross it. Position, depth and half-width are
+// then those of the crossing, the following segment's where both cross; the last one's position is then packed in
+// `bisector`. The two distances are places along the last and along the following segment instead.
 const PROJECTED_BEHIND: u32 = 0x10000000u;
 const PROJECTED_CUT_START: u32 = 0x08000000u;
 const PROJECTED_CUT_END: u32 = 0x04000000u;
 // The segment that begins here lies outside the image or behind the host's opaque scene.
 const PROJECTED_UNSEEN: u32 = 0x02000000u;
+// Range of that packing, in widths or heights of the image.
+const PROJECTED_SECOND_RANGE: f32 = 4.0;
 const PROJECTED_DISTANCE_BITS: u32 = 12u;
 const PROJECTED_DISTANCE_MAX: u32 = 0xfffu;

@@ -39,11 +39,28 @@ fn project_unit(v: vec3f) -> vec3f {
     return select(vec3f(0.0), v / max(size, 1e-30), size > 1e-30);
 }
 
-// Where the segment between two points crosses the near plane.
-fn project_cut(behind: vec3f, before: vec3f) -> vec3f {
+// The unit direction from a point to its nearest distinct neighbour on one side; zero where there is none.
+fn project_tangent(index: u32, position: vec3f, forward: bool) -> vec3f {
+    let stop = select(POINT_FIRST, POINT_LAST, forward);
+    var at = index;
+    for (var step = 0u; step < PROJECT_SEARCH; step++) {
+        if (attributes[at].strand & stop) != 0u { break; }
+        at = select(at - 1u, at + 1u, forward);
+        let direction = project_unit(project_relative(at) - position);
+        if any(direction != vec3f(0.0)) { return direction; }
+    }
+    return vec3f(0.0);
+}
+
+// How far from the point behind it to the one before it a segment crosses the near plane, from 0 to 1.
+fn project_crossing(behind: vec3f, before: vec3f) -> f32 {
     let g0 = project_near_distance(project_clip(behind));
     let g1 = project_near_distance(project_clip(before));
-    return mix(behind, before, clamp(g0 / (g0 - g1), 0.0, 1.0));
+    return clamp(g0 / (g0 - g1), 0.0, 1.0);
+}
+
+fn project_cut(behind: vec3f, before: vec3f) -> vec3f {
+    return mix(behind, before, project_crossing(behind, before));
 }
 
 // What one side of a point looks like on the screen.
@@ -113,6 +130,15 @@ fn project_unseen(here: Projected, next: vec3f, next_radius: f32) -> bool {
     return true;
 }
 
+// The crossing of a point's last segment, where its own place holds the following one's: drawn towards the segment's
+// other end until it lies within the range of the packing, well outside the image.
+fn project_second(other: vec2f, cut: vec2f) -> u32 {
+    let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
+    let way = cut - other;
+    let room = (vec2f(range) - sign(way) * other) / max(abs(way), vec2f(1e-6));
+    return pack2x16snorm((other + way * clamp(min(room.x, room.y), 0.0, 1.0)) / range);
+}
+
 @compute @workgroup_size(64)
 fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = invocation.x + invocation.y * groups.x * 64u;
@@ -122,20 +148,33 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let is_last = (strand & POINT_LAST) != 0u;
     var flags = select(0u, PROJECTED_FIRST, is_first) | select(0u, PROJECTED_LAST, is_last);
     var position = project_relative(index);
-    var radius = points[index].radius;
+    let radius = points[index].radius;
+    var second = 0u;
 
-    // Behind the near plane the point stands for its segment's crossing, the following segment's before the last's.
-    if project_near_distance(project_clip(position)) < 0.0 {
+    // Behind the near plane the point stands for the crossings of its segments: the following one's in its own place,
+    // the last one's there too, or else beside it.
+    let exact = position;
+    let limit = f32(PROJECTED_DISTANCE_MAX);
+    if project_near_distance(project_clip(exact)) < 0.0 {
         flags |= PROJECTED_BEHIND;
-        let behind = position;
-        for (var side = 0u; side < 2u; side++) {
-            let forward = side == 0u;
-            if select(is_first, is_last, forward) { continue; }
-            let neighbour = project_relative(select(index - 1u, index + 1u, forward));
-            if project_near_distance(project_clip(neighbour)) >= 0.0 {
-                position = project_cut(behind, neighbour);
-                flags |= select(PROJECTED_CUT_END, PROJECTED_CUT_START, forward);
-                break;
+        if !is_last {
+            let next = project_relative(index + 1u);
+            if project_near_distance(project_clip(next)) >= 0.0 {
+                position = project_cut(exact, next);
+                flags |= PROJECTED_CUT_START | u32(project_crossing(exact, next) * limit + 0.5);
+            }
+        }
+        if !is_first {
+            let previous = project_relative(index - 1u);
+            if project_near_distance(project_clip(previous)) >= 0.0 {
+                let cut = project_cut(exact, previous);
+                let along = 1.0 - project_crossing(exact, previous);
+                flags |= PROJECTED_CUT_END | (u32(along * limit + 0.5) << PROJECTED_DISTANCE_BITS);
+                if (flags & PROJECTED_CUT_START) == 0u {
+                    position = cut;
+                } else {
+                    second = project_second(project_pixel(project_clip(previous)), project_pixel(project_clip(cut)));
+                }
             }
         }
     }
@@ -150,9 +189,8 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
 
     // The strand's tangent in relative space: the sum of its segments' unit directions.
-    let previous = project_relative(select(index - 1u, index, is_first));
     let next = project_relative(select(index + 1u, index, is_last));
-    let tangent = project_unit(next - position) + project_unit(position - previous);
+    let tangent = project_tangent(index, exact, true) - project_tangent(index, exact, false);
     let to_eye = drawing.eye.xyz - position * drawing.eye.w;
     let side = cross(tangent, to_eye);
     let side_length = length(side);
@@ -170,8 +208,12 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     projected_out[index] = here;
     let in_view = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u && (flags & PROJECTED_BEHIND) == 0u;
     if in_view && !is_last && project_unseen(here, next, points[index + 1u].radius) { flags |= PROJECTED_UNSEEN; }
-    let limit = f32(PROJECTED_DISTANCE_MAX);
-    flags |= u32(before.distance * limit + 0.5) << PROJECTED_DISTANCE_BITS;
-    flags |= u32(after.distance * limit + 0.5);
-    projected_attributes_out[index] = ProjectedAttributes(pack2x16snorm(bisector), flags);
+    var word = pack2x16snorm(bisector);
+    if (flags & PROJECTED_BEHIND) == 0u {
+        flags |= u32(before.distance * limit + 0.5) << PROJECTED_DISTANCE_BITS;
+        flags |= u32(after.distance * limit + 0.5);
+    } else if (flags & (PROJECTED_CUT_START | PROJECTED_CUT_END)) == (PROJECTED_CUT_START | PROJECTED_CUT_END) {
+        word = second;
+    }
+    projected_attributes_out[index] = ProjectedAttributes(word, flags);
 }

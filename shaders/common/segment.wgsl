@@ -22,6 +22,9 @@ struct Segment {
     end_half_width: f32,
     start_depth: f32,
     end_depth: f32,
+    // Places on the whole segment of the part before the near plane.
+    along_start: f32,
+    along_end: f32,
     // How far beyond the segment's ends the strand goes on, in pixels; huge where that is a pixel or more.
     before: f32,
     after: f32,
@@ -61,9 +64,22 @@ fn segment(index: u32) -> Segment {
     let q = projected[index + 1u];
     s.start = p.position;
     s.end = q.position;
+    s.along_start = 0.0;
+    s.along_end = 1.0;
+    if (flags & PROJECTED_BEHIND) != 0u {
+        s.along_start = f32(flags & PROJECTED_DISTANCE_MAX) / f32(PROJECTED_DISTANCE_MAX);
+    }
+    if (next_flags & PROJECTED_BEHIND) != 0u {
+        let steps = (next_flags >> PROJECTED_DISTANCE_BITS) & PROJECTED_DISTANCE_MAX;
+        s.along_end = f32(steps) / f32(PROJECTED_DISTANCE_MAX);
+        if (next_flags & PROJECTED_CUT_START) != 0u {
+            let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
+            s.end = unpack2x16snorm(projected_attributes[index + 1u].bisector) * range;
+        }
+    }
     s.start_plane = unpack2x16snorm(projected_attributes[index].bisector);
     s.end_plane = unpack2x16snorm(projected_attributes[index + 1u].bisector);
-    let offset = q.position - p.position;
+    let offset = s.end - s.start;
     s.length = length(offset);
     if s.length > 1e-6 {
         s.tangent = offset / s.length;
@@ -107,8 +123,9 @@ fn segment_fragment(s: Segment, index: u32, centre: vec2f) -> Fragment {
     if !s.ends && dot(centre - s.end, s.end_plane) >= 0.0 { return fragment; }
     let along = dot(from_start, s.tangent);
     let across = dot(from_start, s.normal);
-    fragment.along = clamp(along * s.inverse_length, 0.0, 1.0);
-    let half_width = mix(s.start_half_width, s.end_half_width, fragment.along);
+    let part = clamp(along * s.inverse_length, 0.0, 1.0);
+    let half_width = mix(s.start_half_width, s.end_half_width, part);
+    fragment.along = mix(s.along_start, s.along_end, part);
     let support = s.footprint.support;
     // A strand's end cuts every segment within a footprint of it, not only the last one.
     let start = -along - s.before;
@@ -122,7 +139,7 @@ fn segment_fragment(s: Segment, index: u32, centre: vec2f) -> Fragment {
     if !TOUCH_ONLY && fragment.coverage > 0.0 && (start > -support || end < support) {
         fragment.coverage = coverage_rectangle(s.normal, -across - half_width, 2.0 * half_width, start, end);
     }
-    fragment.depth = mix(s.start_depth, s.end_depth, fragment.along);
+    fragment.depth = mix(s.start_depth, s.end_depth, part);
     fragment.opacity = drawing.opacity * fragment.coverage;
     fragment.point = drawing.point_base + index;
     return fragment;

@@ -17,7 +17,7 @@ fn scatter(fibre: Fibre, wi: vec3f, wo: vec3f, shadow: ShadowSample) -> vec3f {
 }
 
 // ∫ Ψ dω over the sphere: k_d π², and for the lobe 2π (cos θ_o W + sin^(m+1) |θ_o| / (m + 1)), W = ∫ cos^(m+1). The
-// lobe's own cut at grazing θ_o is left out; it lies below 1/(m + 1) of it.
+// lobe's own cut at grazing θ_o is left out; that errs by at most k_s 2π / (m + 2), 5 % of the lobe at m = 60.
 fn scatter_uniform(fibre: Fibre, wo: vec3f) -> vec3f {
     let sin_theta = abs(clamp(dot(fibre.tangent, wo), -1.0, 1.0));
     let cos_theta = sqrt(1.0 - sin_theta * sin_theta);

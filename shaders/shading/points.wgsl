@@ -50,9 +50,14 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
         let to_light = place.xyz - position * place.w;
         let distance = max(length(to_light), 1e-20);
         let falloff = select(1.0, 1.0 / (distance * distance), place.w > 0.0);
-        let visible = shadow(position, light);
+        let wi = to_light / distance;
+        // Along a strand that leans towards the light its own depth changes within the filter: the look-up moves
+        // towards the light by twice the bias times the slope.
+        let lean = abs(dot(fibre.tangent, wi));
+        let slope = lean / max(sqrt(max(1.0 - lean * lean, 0.0)), 0.125);
+        let visible = shadow(position + wi * (2.0 * slope * frame.lights[light].bias), light);
         radiance += frame.lights[light].power * falloff * visible.transmittance
-            * scatter(fibre, to_light / distance, wo, visible);
+            * scatter(fibre, wi, wo, visible);
     }
     // The largest 16-bit float; also what becomes of an infinity.
     radiance = min(max(radiance, vec3f(0.0)), vec3f(65504.0));

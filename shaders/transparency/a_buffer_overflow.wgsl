@@ -14,14 +14,18 @@ fn a_buffer_pixels() -> u32 {
     return select(0u, count, atomicLoad(&counters.overflow) != 0u);
 }
 
-// A pixel's share of the pool: one fragment where there are enough, and of the rest in proportion to its count.
-fn a_buffer_share(count: u32) -> u32 {
+// A pixel's share of the pool: one fragment where there are enough, and of the rest in proportion to its count; where
+// there are fewer fragments than covered pixels, one in every so many pixels.
+fn a_buffer_share(number: u32, count: u32) -> u32 {
     let produced = f32(atomicLoad(&counters.produced));
     let covered = atomicLoad(&counters.covered);
-    let base = select(0u, 1u, frame.capacity > covered);
-    let rest = frame.capacity - select(0u, covered, frame.capacity > covered);
+    if frame.capacity <= covered {
+        let pixels = f32((drawing.row_end - drawing.row_first) * u32(drawing.viewport.x));
+        let part = f32(frame.capacity) / pixels * 0.9999;
+        return min(count, u32(f32(number + 1u) * part) - u32(f32(number) * part));
+    }
     // Rounded down by more than the error of f32, so that the shares never sum to more than the pool.
-    return min(count, base + u32(f32(count) * (f32(rest) / produced) * 0.9999));
+    return min(count, 1u + u32(f32(count) * (f32(frame.capacity - covered) / produced) * 0.9999));
 }
 
 fn a_buffer_overflow_begin_pixel(number: u32) {
@@ -40,7 +44,7 @@ fn a_buffer_overflow_range_pixel(number: u32) {
 // After HISTOGRAM: keeps the nearest bins that fit, and searches on in the first that does not.
 fn a_buffer_overflow_select_pixel(number: u32) {
     let words = number * OVERFLOW_WORDS;
-    let share = a_buffer_share(fill[number]);
+    let share = a_buffer_share(number, fill[number]);
     let bin_width = search_bin_width(overflow[words + SEARCH_WIDTH]);
     var low = overflow[words + SEARCH_LOW];
     var width = overflow[words + SEARCH_WIDTH];
