@@ -16,18 +16,33 @@ pub(crate) fn clear(passes: &mut Passes, target: &Target) {
     }
     let view = target.colour.create_view(&Default::default());
     passes.encode("pelage.composite.clear", |encoder| {
-        drop(begin(encoder, "pelage.composite.clear", &view, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), None));
+        drop(begin(
+            encoder,
+            "pelage.composite.clear",
+            &view,
+            wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            None,
+        ));
     });
 }
 
 /// Darkens the opaque scene by the hair's shadow.
-pub(crate) fn receive(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan, target: &Target) -> Result<()> {
+pub(crate) fn receive(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    plan: &Plan,
+    target: &Target,
+) -> Result<()> {
     if !target.receive_shadow || !plan.shadowed {
         return Ok(());
     }
     let label = "pelage.composite.receive";
     let format = target.colour.format();
-    let key = PipelineKey { colour: Some(format), ..PipelineKey::new(label) };
+    let key = PipelineKey {
+        colour: Some(format),
+        ..PipelineKey::new(label)
+    };
     // Colour × shadow; the alpha stays.
     let multiply = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::Zero,
@@ -42,7 +57,10 @@ pub(crate) fn receive(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &
         topology: wgpu::PrimitiveTopology::TriangleList,
         target: wgpu::ColorTargetState {
             format,
-            blend: Some(wgpu::BlendState { color: multiply, alpha: multiply }),
+            blend: Some(wgpu::BlendState {
+                color: multiply,
+                alpha: multiply,
+            }),
             write_mask: wgpu::ColorWrites::COLOR,
         },
         depth_stencil: None,
@@ -51,7 +69,11 @@ pub(crate) fn receive(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &
     passes.encode(label, |encoder| {
         let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, None);
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, bound.frame, &[0, plan.bands[0].drawings[0], plan.runs[0].material]);
+        pass.set_bind_group(
+            0,
+            bound.frame,
+            &[0, plan.bands[0].drawings[0], plan.runs[0].material],
+        );
         pass.set_bind_group(2, bound.maps_read, &[]);
         pass.draw(0..3, 0..1);
     });
@@ -76,12 +98,19 @@ pub(crate) fn record(
         variant: transparency::resolve_variant(&plan.transparency) * 2 + u32::from(plan.reverse_z),
         ..PipelineKey::new(label)
     };
-    let nearer =
-        if plan.reverse_z { wgpu::CompareFunction::GreaterEqual } else { wgpu::CompareFunction::LessEqual };
+    let nearer = if plan.reverse_z {
+        wgpu::CompareFunction::GreaterEqual
+    } else {
+        wgpu::CompareFunction::LessEqual
+    };
     let pipeline = gpu.render(key, || RenderSpec {
         module: transparency::resolve_module(&plan.transparency).and(&["composite"]),
         vertex: "composite_vertex",
-        fragment: if depth.is_some() { "composite_with_depth" } else { "composite" },
+        fragment: if depth.is_some() {
+            "composite_with_depth"
+        } else {
+            "composite"
+        },
         groups: &[Group::Frame, Group::PixelsRead],
         topology: wgpu::PrimitiveTopology::TriangleList,
         target: wgpu::ColorTargetState {
@@ -100,10 +129,20 @@ pub(crate) fn record(
     let view = target.colour.create_view(&Default::default());
     let depth_view = depth.map(|texture| texture.create_view(&Default::default()));
     passes.encode(label, |encoder| {
-        let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, depth_view.as_ref());
+        let mut pass = begin(
+            encoder,
+            label,
+            &view,
+            wgpu::LoadOp::Load,
+            depth_view.as_ref(),
+        );
         pass.set_scissor_rect(0, band.first, plan.width, band.rows);
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, bound.frame_without_depth, &[0, band.drawings[0], plan.runs[0].material]);
+        pass.set_bind_group(
+            0,
+            bound.frame_without_depth,
+            &[0, band.drawings[0], plan.runs[0].material],
+        );
         pass.set_bind_group(3, bound.pixels_read, &[]);
         pass.draw(0..3, 0..1);
     });
@@ -124,11 +163,17 @@ fn begin<'e>(
             view: colour,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+            ops: wgpu::Operations {
+                load,
+                store: wgpu::StoreOp::Store,
+            },
         })],
         depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
             view,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store }),
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            }),
             stencil_ops: None,
         }),
         timestamp_writes: None,

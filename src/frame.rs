@@ -44,21 +44,38 @@ pub struct Target<'a> {
 impl<'a> Target<'a> {
     /// A target without an opaque scene, cleared first.
     pub fn cleared(colour: &'a wgpu::Texture) -> Self {
-        Self { colour, depth: None, clear: true, write_depth: false, receive_shadow: false }
+        Self {
+            colour,
+            depth: None,
+            clear: true,
+            write_depth: false,
+            receive_shadow: false,
+        }
     }
 
     pub(crate) fn validate(&self, device: &wgpu::Device) -> Result<()> {
         let colour = self.colour;
         texture_fits("colour", colour, wgpu::TextureUsages::RENDER_ATTACHMENT)?;
-        if colour.format().sample_type(None, Some(device.features())).is_none_or(|sample| {
-            !matches!(sample, wgpu::TextureSampleType::Float { .. })
-        }) || colour.format().has_depth_aspect()
+        if colour
+            .format()
+            .sample_type(None, Some(device.features()))
+            .is_none_or(|sample| !matches!(sample, wgpu::TextureSampleType::Float { .. }))
+            || colour.format().has_depth_aspect()
         {
-            return invalid!("the target's colour has the format {:?}, which holds no colour as floats", colour.format());
+            return invalid!(
+                "the target's colour has the format {:?}, which holds no colour as floats",
+                colour.format()
+            );
         }
-        let blendable = colour.format().guaranteed_format_features(device.features()).flags;
+        let blendable = colour
+            .format()
+            .guaranteed_format_features(device.features())
+            .flags;
         if !blendable.contains(wgpu::TextureFormatFeatureFlags::BLENDABLE) {
-            return Err(Error::Unsupported(format!("this device cannot blend into {:?}", colour.format())));
+            return Err(Error::Unsupported(format!(
+                "this device cannot blend into {:?}",
+                colour.format()
+            )));
         }
         let Some(depth) = self.depth else {
             if self.write_depth || self.receive_shadow {
@@ -72,7 +89,10 @@ impl<'a> Target<'a> {
         }
         texture_fits("depth", depth, usage)?;
         if !depth.format().has_depth_aspect() {
-            return invalid!("the target's depth has the format {:?}, which holds no depth", depth.format());
+            return invalid!(
+                "the target's depth has the format {:?}, which holds no depth",
+                depth.format()
+            );
         }
         if (depth.width(), depth.height()) != (colour.width(), colour.height()) {
             return invalid!(
@@ -99,7 +119,10 @@ fn texture_fits(name: &str, texture: &wgpu::Texture, usage: wgpu::TextureUsages)
         return invalid!("the target's {name} is not one 2D image");
     }
     if !texture.usage().contains(usage) {
-        return invalid!("the target's {name} lacks the usage {:?}", usage - texture.usage());
+        return invalid!(
+            "the target's {name} lacks the usage {:?}",
+            usage - texture.usage()
+        );
     }
     Ok(())
 }
@@ -113,14 +136,30 @@ pub(crate) fn record(
     target: &Target,
 ) -> Result<()> {
     composite::clear(passes, target);
-    let Some(bound) = resources.bound(plan) else { return Ok(()) };
+    let Some(bound) = resources.bound(plan) else {
+        return Ok(());
+    };
     resources.clear_maps(passes, plan);
     for map in &plan.maps {
-        geometry::project(gpu, passes, &bound, "pelage.shadow.project", &map.drawings, plan)?;
+        geometry::project(
+            gpu,
+            passes,
+            &bound,
+            "pelage.shadow.project",
+            &map.drawings,
+            plan,
+        )?;
         shadow::record(gpu, passes, &bound, map, plan)?;
     }
     geometry::host_tiles(gpu, passes, &bound, plan)?;
-    geometry::project(gpu, passes, &bound, "pelage.geometry.project", &plan.bands[0].drawings, plan)?;
+    geometry::project(
+        gpu,
+        passes,
+        &bound,
+        "pelage.geometry.project",
+        &plan.bands[0].drawings,
+        plan,
+    )?;
     shading::record(gpu, passes, &bound, plan)?;
     for band in &plan.bands {
         transparency::record(gpu, passes, &bound, band, plan)?;

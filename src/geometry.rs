@@ -78,14 +78,20 @@ impl Hair {
         }
         let determinant = self.world_from_object.determinant();
         if determinant == 0.0 || !determinant.is_finite() {
-            return invalid!("hair {number}: world_from_object cannot be inverted: its determinant is {determinant}");
+            return invalid!(
+                "hair {number}: world_from_object cannot be inverted: its determinant is {determinant}"
+            );
         }
         if !(0.0..=1.0).contains(&self.opacity) {
-            return invalid!("hair {number}: opacity {} is not between 0 and 1", self.opacity);
+            return invalid!(
+                "hair {number}: opacity {} is not between 0 and 1",
+                self.opacity
+            );
         }
         self.shading.validate()?;
         self.shadow.map_or(Ok(()), |shadow| shadow.validate())?;
-        self.transparency.map_or(Ok(()), |transparency| transparency.validate())
+        self.transparency
+            .map_or(Ok(()), |transparency| transparency.validate())
     }
 }
 
@@ -104,7 +110,10 @@ struct Packed {
 impl Geometry {
     pub fn new(gpu: &Gpu, strands: &Strands, serial: u64) -> Result<Self> {
         if strands.strand_count() > POINT_STRAND as usize {
-            return invalid!("{} strands: a hair has at most {POINT_STRAND}", strands.strand_count());
+            return invalid!(
+                "{} strands: a hair has at most {POINT_STRAND}",
+                strands.strand_count()
+            );
         }
         let order = morton_order(strands);
         let packed = pack(strands, &order, run_limit(gpu))?;
@@ -116,8 +125,14 @@ impl Geometry {
         };
         Ok(Self {
             serial,
-            points: buffer("pelage.geometry.points", bytemuck::cast_slice(&packed.points))?,
-            attributes: buffer("pelage.geometry.attributes", bytemuck::cast_slice(&packed.attributes))?,
+            points: buffer(
+                "pelage.geometry.points",
+                bytemuck::cast_slice(&packed.points),
+            )?,
+            attributes: buffer(
+                "pelage.geometry.attributes",
+                bytemuck::cast_slice(&packed.attributes),
+            )?,
             colours: buffer("pelage.geometry.colours", bytemuck::cast_slice(&colours))?,
             runs: packed.runs,
             origin: packed.origin,
@@ -136,7 +151,8 @@ impl Geometry {
         let mut strands = self.strands.clone();
         strands.set_points(points)?;
         let packed = pack(&strands, &self.order, run_limit(gpu))?;
-        gpu.queue.write_buffer(&self.points.buffer, 0, bytemuck::cast_slice(&packed.points));
+        gpu.queue
+            .write_buffer(&self.points.buffer, 0, bytemuck::cast_slice(&packed.points));
         self.origin = packed.origin;
         self.half_extent = packed.half_extent;
         self.length = packed.length;
@@ -157,16 +173,22 @@ fn half_colour(c: [f32; 3]) -> [u32; 2] {
 
 /// Strand numbers in the order of a Morton curve through their middle points.
 fn morton_order(strands: &Strands) -> Vec<u32> {
-    let Some((low, high)) = strands.bounds() else { return Vec::new() };
+    let Some((low, high)) = strands.bounds() else {
+        return Vec::new();
+    };
     let (low, high) = (Vec3::from(low), Vec3::from(high));
     let scale = 1023.0 / (high - low).max_element().max(f32::MIN_POSITIVE);
     let code = |strand: usize| {
         let range = strands.range(strand);
         let middle = Vec3::from(strands.points()[(range.start + range.end) / 2]);
         let cell = ((middle - low) * scale).clamp(Vec3::ZERO, Vec3::splat(1023.0));
-        spread_bits(cell.x as u32) | spread_bits(cell.y as u32) << 1 | spread_bits(cell.z as u32) << 2
+        spread_bits(cell.x as u32)
+            | spread_bits(cell.y as u32) << 1
+            | spread_bits(cell.z as u32) << 2
     };
-    let mut order: Vec<(u32, u32)> = (0..strands.strand_count()).map(|strand| (code(strand), strand as u32)).collect();
+    let mut order: Vec<(u32, u32)> = (0..strands.strand_count())
+        .map(|strand| (code(strand), strand as u32))
+        .collect();
     order.sort_unstable();
     order.into_iter().map(|(_, strand)| strand).collect()
 }
@@ -179,7 +201,11 @@ fn spread_bits(value: u32) -> u32 {
 /// Cuts curves, orders strands, and parts them into runs of at most `limit` points.
 fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
     let pieces = curve_pieces(strands);
-    let cut = if pieces == 1 { None } else { Some(tessellate(strands, pieces)?) };
+    let cut = if pieces == 1 {
+        None
+    } else {
+        Some(tessellate(strands, pieces)?)
+    };
     let strands = cut.as_ref().unwrap_or(strands);
     let (low, high) = strands.bounds().unwrap_or_default();
     let (low, high) = (Vec3::from(low).as_dvec3(), Vec3::from(high).as_dvec3());
@@ -198,12 +224,18 @@ fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
     for &strand in order {
         let range = strands.range(strand as usize);
         if range.len() > limit {
-            return Err(Error::Unsupported(format!("strand {strand}: {} points; this device binds {limit}", range.len())));
+            return Err(Error::Unsupported(format!(
+                "strand {strand}: {} points; this device binds {limit}",
+                range.len()
+            )));
         }
         if run.count as usize + range.len() > limit {
             pad(&mut packed);
             packed.runs.push(run);
-            run = Run { first: packed.points.len() as u32, count: 0 };
+            run = Run {
+                first: packed.points.len() as u32,
+                count: 0,
+            };
         }
         run.count += range.len() as u32;
         let mut previous: Option<DVec3> = None;
@@ -211,10 +243,16 @@ fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
             let position = Vec3::from(strands.points()[at]).as_dvec3() - origin;
             packed.length += previous.map_or(0.0, |p| position.distance(p));
             previous = Some(position);
-            packed.points.push(Point { position: position.as_vec3().into(), radius: strands.radii()[at] });
+            packed.points.push(Point {
+                position: position.as_vec3().into(),
+                radius: strands.radii()[at],
+            });
             let first = if at == range.start { POINT_FIRST } else { 0 };
             let last = if at + 1 == range.end { POINT_LAST } else { 0 };
-            packed.attributes.push(PointAttributes { strand: strand | first | last, coordinate: strands.coordinates()[at] });
+            packed.attributes.push(PointAttributes {
+                strand: strand | first | last,
+                coordinate: strands.coordinates()[at],
+            });
         }
     }
     if run.count > 0 {
@@ -232,7 +270,7 @@ const MAX_CURVE_PIECES: u32 = 8;
 const TURN_QUANTILE: f64 = 0.9;
 
 /// Straight pieces of each curved segment, so that nine of ten joints turn by no more than what looks smooth.
-fn curve_pieces(strands: &Strands) -> u32 {
+pub(crate) fn curve_pieces(strands: &Strands) -> u32 {
     if strands.curve() == Curve::Polyline {
         return 1;
     }
@@ -256,24 +294,42 @@ fn curve_pieces(strands: &Strands) -> u32 {
 /// Fills up to the alignment with strands of one point, which draw nothing.
 fn pad(packed: &mut Packed) {
     while !packed.points.len().is_multiple_of(RUN_ALIGNMENT) {
-        packed.points.push(Point { position: [0.0; 3], radius: 0.0 });
-        packed.attributes.push(PointAttributes { strand: POINT_FIRST | POINT_LAST, coordinate: 0.0 });
+        packed.points.push(Point {
+            position: [0.0; 3],
+            radius: 0.0,
+        });
+        packed.attributes.push(PointAttributes {
+            strand: POINT_FIRST | POINT_LAST,
+            coordinate: 0.0,
+        });
     }
 }
 
 /// Finds the farthest depth of the host's opaque scene in each tile of the view.
-pub(crate) fn host_tiles(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
+pub(crate) fn host_tiles(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    plan: &Plan,
+) -> Result<()> {
     if !plan.host_depth {
         return Ok(());
     }
     let label = "pelage.geometry.host_tiles";
     let groups = [Group::Frame, Group::HostTiles];
-    let pipeline = gpu.compute(PipelineKey::new(label), "host_tiles_farthest", &groups, || {
-        Module::new(&["common/pixels", "common/host_tiles"])
-    })?;
+    let pipeline = gpu.compute(
+        PipelineKey::new(label),
+        "host_tiles_farthest",
+        &groups,
+        || Module::new(&["common/pixels", "common/host_tiles"]),
+    )?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, bound.frame, &[0, plan.bands[0].drawings[0], plan.runs[0].material]);
+        pass.set_bind_group(
+            0,
+            bound.frame,
+            &[0, plan.bands[0].drawings[0], plan.runs[0].material],
+        );
         pass.set_bind_group(1, bound.host_tiles, &[]);
         let (x, y) = workgroups(plan.tile_count());
         pass.dispatch_workgroups(x, y, 1);

@@ -87,17 +87,23 @@ impl Group {
                 vec![uniform(0), uniform(1), uniform(2), depth]
             }
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
-            Self::Project => {
-                (0..5).map(|binding| storage(binding, Stages::COMPUTE, !(2..4).contains(&binding))).collect()
-            }
-            Self::Segments => (0..2).map(|binding| storage(binding, raster | Stages::VERTEX, true)).collect(),
-            Self::Shade => (0..4).map(|binding| storage(binding, Stages::COMPUTE, binding < 3)).collect(),
+            Self::Project => (0..5)
+                .map(|binding| storage(binding, Stages::COMPUTE, !(2..4).contains(&binding)))
+                .collect(),
+            Self::Segments => (0..2)
+                .map(|binding| storage(binding, raster | Stages::VERTEX, true))
+                .collect(),
+            Self::Shade => (0..4)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding < 3))
+                .collect(),
             Self::MapsWritten => vec![storage(0, raster, false)],
             Self::MapsRead => vec![storage(0, raster, true)],
-            Self::PixelsWritten => {
-                (0..PIXEL_BUFFERS).map(|binding| storage(binding, raster, binding + 1 == PIXEL_BUFFERS)).collect()
-            }
-            Self::PixelsRead => (0..PIXEL_BUFFERS).map(|binding| storage(binding, Stages::FRAGMENT, true)).collect(),
+            Self::PixelsWritten => (0..PIXEL_BUFFERS)
+                .map(|binding| storage(binding, raster, binding + 1 == PIXEL_BUFFERS))
+                .collect(),
+            Self::PixelsRead => (0..PIXEL_BUFFERS)
+                .map(|binding| storage(binding, Stages::FRAGMENT, true))
+                .collect(),
         }
     }
 }
@@ -113,7 +119,11 @@ pub(crate) struct Ledger {
 
 impl Ledger {
     pub fn by_label(&self) -> Vec<(String, u64)> {
-        self.by_label.iter().filter(|(_, bytes)| **bytes > 0).map(|(label, bytes)| (label.to_string(), *bytes)).collect()
+        self.by_label
+            .iter()
+            .filter(|(_, bytes)| **bytes > 0)
+            .map(|(label, bytes)| (label.to_string(), *bytes))
+            .collect()
     }
 
     pub fn total(&self) -> u64 {
@@ -126,7 +136,8 @@ impl Ledger {
 
     /// Bytes left within the budget.
     pub fn left(&self) -> u64 {
-        self.budget.map_or(u64::MAX, |budget| budget.saturating_sub(self.total))
+        self.budget
+            .map_or(u64::MAX, |budget| budget.saturating_sub(self.total))
     }
 }
 
@@ -160,7 +171,9 @@ impl Allocation {
 }
 
 fn lock(ledger: &Mutex<Ledger>) -> MutexGuard<'_, Ledger> {
-    ledger.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    ledger
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
 /// What tells one pipeline from another.
@@ -175,7 +188,13 @@ pub(crate) struct PipelineKey {
 
 impl PipelineKey {
     pub const fn new(label: &'static str) -> Self {
-        Self { label, rasteriser: None, colour: None, depth: None, variant: 0 }
+        Self {
+            label,
+            rasteriser: None,
+            colour: None,
+            depth: None,
+            variant: 0,
+        }
     }
 }
 
@@ -206,11 +225,21 @@ impl Gpu {
         let limits = device.limits();
         for (name, has, needs) in [
             ("bind groups", limits.max_bind_groups, 4),
-            ("storage buffers a stage", limits.max_storage_buffers_per_shader_stage, 10),
-            ("invocations a workgroup", limits.max_compute_invocations_per_workgroup, 256),
+            (
+                "storage buffers a stage",
+                limits.max_storage_buffers_per_shader_stage,
+                10,
+            ),
+            (
+                "invocations a workgroup",
+                limits.max_compute_invocations_per_workgroup,
+                256,
+            ),
         ] {
             if has < needs {
-                return Err(Error::Unsupported(format!("the device allows {has} {name}; pelage needs {needs}")));
+                return Err(Error::Unsupported(format!(
+                    "the device allows {has} {name}; pelage needs {needs}"
+                )));
             }
         }
         let layouts = GROUPS
@@ -244,11 +273,18 @@ impl Gpu {
 
     /// The largest storage binding in bytes.
     pub fn max_binding(&self) -> u64 {
-        self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
+        self.limits
+            .max_storage_buffer_binding_size
+            .min(self.limits.max_buffer_size)
     }
 
     /// Makes a buffer of `size` bytes, rounded up to 256, and puts it on the ledger.
-    pub fn allocate(&self, label: &'static str, size: u64, usage: wgpu::BufferUsages) -> Result<Allocation> {
+    pub fn allocate(
+        &self,
+        label: &'static str,
+        size: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<Allocation> {
         let size = size.max(1).next_multiple_of(256);
         if size > self.limits.max_buffer_size {
             return Err(Error::OutOfMemory(format!(
@@ -258,7 +294,9 @@ impl Gpu {
         }
         let left = lock(&self.ledger).left();
         if size > left {
-            return Err(Error::OutOfMemory(format!("{label}: {size} bytes are more than the {left} left in the budget")));
+            return Err(Error::OutOfMemory(format!(
+                "{label}: {size} bytes are more than the {left} left in the budget"
+            )));
         }
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
@@ -268,26 +306,43 @@ impl Gpu {
             mapped_at_creation: false,
         });
         if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(Error::OutOfMemory(format!("{label}: {size} bytes: {error}")));
+            return Err(Error::OutOfMemory(format!(
+                "{label}: {size} bytes: {error}"
+            )));
         }
         let mut ledger = lock(&self.ledger);
         ledger.total += size;
         ledger.peak = ledger.peak.max(ledger.total);
         *ledger.by_label.entry(label).or_default() += size;
-        Ok(Allocation { buffer, label, size, ledger: self.ledger.clone() })
+        Ok(Allocation {
+            buffer,
+            label,
+            size,
+            ledger: self.ledger.clone(),
+        })
     }
 
     /// Puts a texture's bytes on the ledger's books for as long as the result lives.
     pub fn storage(&self, label: &'static str, size: u64) -> Result<Allocation> {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+        let usage = wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_DST
+            | wgpu::BufferUsages::COPY_SRC;
         self.allocate(label, size, usage)
     }
 
-    pub fn bind(&self, label: &str, group: Group, resources: &[wgpu::BindingResource]) -> wgpu::BindGroup {
+    pub fn bind(
+        &self,
+        label: &str,
+        group: Group,
+        resources: &[wgpu::BindingResource],
+    ) -> wgpu::BindGroup {
         let entries: Vec<_> = resources
             .iter()
             .enumerate()
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone() })
+            .map(|(binding, resource)| wgpu::BindGroupEntry {
+                binding: binding as u32,
+                resource: resource.clone(),
+            })
             .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(label),
@@ -301,19 +356,24 @@ impl Gpu {
         for group in groups {
             slots[group.index()] = Some(&self.layouts[group]);
         }
-        let used = slots.iter().rposition(Option::is_some).map_or(0, |last| last + 1);
-        self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            bind_group_layouts: &slots[..used],
-            immediate_size: 0,
-        })
+        let used = slots
+            .iter()
+            .rposition(Option::is_some)
+            .map_or(0, |last| last + 1);
+        self.device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(label),
+                bind_group_layouts: &slots[..used],
+                immediate_size: 0,
+            })
     }
 
     fn shader(&self, label: &str, module: &Module) -> wgpu::ShaderModule {
-        self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(module.join().source.into()),
-        })
+        self.device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(module.join().source.into()),
+            })
     }
 
     /// The compute pipeline of `key`, made at its first use.
@@ -329,14 +389,16 @@ impl Gpu {
         }
         let label = label_of(&key);
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(&label),
-            layout: Some(&self.pipeline_layout(&label, groups)),
-            module: &self.shader(&label, &module()),
-            entry_point: Some(entry),
-            compilation_options: Default::default(),
-            cache: None,
-        });
+        let pipeline = self
+            .device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(&label),
+                layout: Some(&self.pipeline_layout(&label, groups)),
+                module: &self.shader(&label, &module()),
+                entry_point: Some(entry),
+                compilation_options: Default::default(),
+                cache: None,
+            });
         if let Some(error) = pollster::block_on(scope.pop()) {
             return Err(Error::Internal(format!("pipeline {label}: {error}")));
         }
@@ -345,7 +407,11 @@ impl Gpu {
     }
 
     /// The render pipeline of `key`, made at its first use.
-    pub fn render(&mut self, key: PipelineKey, spec: impl FnOnce() -> RenderSpec<'static>) -> Result<wgpu::RenderPipeline> {
+    pub fn render(
+        &mut self,
+        key: PipelineKey,
+        spec: impl FnOnce() -> RenderSpec<'static>,
+    ) -> Result<wgpu::RenderPipeline> {
         if let Some(pipeline) = self.render.get(&key) {
             return Ok(pipeline.clone());
         }
@@ -353,27 +419,32 @@ impl Gpu {
         let spec = spec();
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let module = self.shader(&label, &spec.module);
-        let pipeline = self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(&label),
-            layout: Some(&self.pipeline_layout(&label, spec.groups)),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(spec.vertex),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState { topology: spec.topology, ..Default::default() },
-            depth_stencil: spec.depth_stencil,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(spec.fragment),
-                compilation_options: Default::default(),
-                targets: &[Some(spec.target)],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = self
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(&label),
+                layout: Some(&self.pipeline_layout(&label, spec.groups)),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(spec.vertex),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState {
+                    topology: spec.topology,
+                    ..Default::default()
+                },
+                depth_stencil: spec.depth_stencil,
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(spec.fragment),
+                    compilation_options: Default::default(),
+                    targets: &[Some(spec.target)],
+                }),
+                multiview_mask: None,
+                cache: None,
+            });
         if let Some(error) = pollster::block_on(scope.pop()) {
             return Err(Error::Internal(format!("pipeline {label}: {error}")));
         }
@@ -414,7 +485,11 @@ pub(crate) struct Timed {
 
 impl<'a> Passes<'a> {
     pub fn timed(gpu: &Gpu) -> Passes<'static> {
-        Passes::Timed(Timed { device: gpu.device.clone(), queue: gpu.queue.clone(), times: Vec::new() })
+        Passes::Timed(Timed {
+            device: gpu.device.clone(),
+            queue: gpu.queue.clone(),
+            times: Vec::new(),
+        })
     }
 
     /// Records into an encoder; in a timed frame submits it and waits.
@@ -432,7 +507,10 @@ impl<'a> Passes<'a> {
                 let ms = start.elapsed().as_secs_f64() * 1e3;
                 match timed.times.iter_mut().find(|time| time.label == label) {
                     Some(time) => time.ms += ms,
-                    None => timed.times.push(PassTime { label: label.to_string(), ms }),
+                    None => timed.times.push(PassTime {
+                        label: label.to_string(),
+                        ms,
+                    }),
                 }
             }
         }
@@ -441,7 +519,12 @@ impl<'a> Passes<'a> {
     /// Records one compute pass.
     pub fn compute(&mut self, label: &str, record: impl FnOnce(&mut wgpu::ComputePass)) {
         self.encode(label, |encoder| {
-            record(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None }));
+            record(
+                &mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some(label),
+                    timestamp_writes: None,
+                }),
+            );
         });
     }
 }

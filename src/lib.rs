@@ -1,8 +1,8 @@
 //! pelage renders hair and fur inside other people's programs.
 
 pub mod capi;
-pub mod error;
 mod composite;
+pub mod error;
 mod frame;
 mod geometry;
 mod gpu;

@@ -36,26 +36,56 @@ pub struct Light {
 impl Light {
     /// A directional light, shadowed as the hairs wish.
     pub fn directional(direction: DVec3, irradiance: Vec3) -> Self {
-        Self { kind: LightKind::Directional { direction, irradiance }, shadow: None }
+        Self {
+            kind: LightKind::Directional {
+                direction,
+                irradiance,
+            },
+            shadow: None,
+        }
     }
 
     /// A point light, shadowed as the hairs wish.
     pub fn point(position: DVec3, intensity: Vec3) -> Self {
-        Self { kind: LightKind::Point { position, intensity }, shadow: None }
+        Self {
+            kind: LightKind::Point {
+                position,
+                intensity,
+            },
+            shadow: None,
+        }
     }
 
     /// Checks that everything is finite, the direction has a length, and no power is negative.
     pub(crate) fn validate(&self, number: usize) -> Result<()> {
         let (place, what, power) = match self.kind {
-            LightKind::Directional { direction, irradiance } => (direction, "direction", irradiance),
-            LightKind::Point { position, intensity } => (position, "position", intensity),
+            LightKind::Directional {
+                direction,
+                irradiance,
+            } => (direction, "direction", irradiance),
+            LightKind::Point {
+                position,
+                intensity,
+            } => (position, "position", intensity),
         };
         if !place.is_finite() {
-            return invalid!("light {number}: {what} ({}, {}, {}) is not finite", place.x, place.y, place.z);
+            return invalid!(
+                "light {number}: {what} ({}, {}, {}) is not finite",
+                place.x,
+                place.y,
+                place.z
+            );
         }
         let length = place.length();
-        if matches!(self.kind, LightKind::Directional { .. }) && !(length > 0.0 && length.is_finite()) {
-            return invalid!("light {number}: direction ({}, {}, {}) has no usable length", place.x, place.y, place.z);
+        if matches!(self.kind, LightKind::Directional { .. })
+            && !(length > 0.0 && length.is_finite())
+        {
+            return invalid!(
+                "light {number}: direction ({}, {}, {}) has no usable length",
+                place.x,
+                place.y,
+                place.z
+            );
         }
         if !power.is_finite() || power.min_element() < 0.0 {
             return invalid!(

@@ -94,10 +94,19 @@ fn place(hair: &Hair, origin: DVec3) -> Placed {
         * DMat4::from_translation(geometry.origin);
     let corners = std::array::from_fn(|corner| {
         let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        relative_from_object.transform_point3(geometry.half_extent * DVec3::new(sign(0), sign(1), sign(2)))
+        relative_from_object
+            .transform_point3(geometry.half_extent * DVec3::new(sign(0), sign(1), sign(2)))
     });
-    let scale = glam::DMat3::from_mat4(relative_from_object).determinant().abs().cbrt();
-    Placed { relative_from_object, corners, scale, radius: geometry.max_radius * scale }
+    let scale = glam::DMat3::from_mat4(relative_from_object)
+        .determinant()
+        .abs()
+        .cbrt();
+    Placed {
+        relative_from_object,
+        corners,
+        scale,
+        radius: geometry.max_radius * scale,
+    }
 }
 
 fn matrix(m: DMat4) -> [[f32; 4]; 4] {
@@ -112,14 +121,27 @@ impl Plan {
     pub fn new(gpu: &Gpu, frame: &Frame, target: &Target) -> Result<Self> {
         frame.view.validate()?;
         if frame.lights.len() > MAX_LIGHTS {
-            return invalid!("{} lights: a frame takes at most {MAX_LIGHTS}", frame.lights.len());
+            return invalid!(
+                "{} lights: a frame takes at most {MAX_LIGHTS}",
+                frame.lights.len()
+            );
         }
         if !frame.ambient.is_finite() || frame.ambient.min_element() < 0.0 {
             let Vec3 { x, y, z } = frame.ambient;
-            return invalid!("ambient ({x}, {y}, {z}) has a component that is negative or not finite");
+            return invalid!(
+                "ambient ({x}, {y}, {z}) has a component that is negative or not finite"
+            );
         }
-        frame.lights.iter().enumerate().try_for_each(|(number, light)| light.validate(number))?;
-        frame.hairs.iter().enumerate().try_for_each(|(number, hair)| hair.validate(number))?;
+        frame
+            .lights
+            .iter()
+            .enumerate()
+            .try_for_each(|(number, light)| light.validate(number))?;
+        frame
+            .hairs
+            .iter()
+            .enumerate()
+            .try_for_each(|(number, hair)| hair.validate(number))?;
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
         let shading = one_shading(frame)?;
@@ -128,10 +150,15 @@ impl Plan {
         let origin = frame.view.origin();
         let placed: Vec<Placed> = frame.hairs.iter().map(|hair| place(hair, origin)).collect();
         let (runs, point_count) = plan_runs(frame, gpu)?;
-        let clip_from_relative =
-            frame.view.clip_from_view * frame.view.view_from_world * DMat4::from_translation(origin);
+        let clip_from_relative = frame.view.clip_from_view
+            * frame.view.view_from_world
+            * DMat4::from_translation(origin);
         let eye = frame.view.eye();
-        let eye_relative = if eye.w > 0.0 { (eye.truncate() - origin).extend(1.0) } else { eye };
+        let eye_relative = if eye.w > 0.0 {
+            (eye.truncate() - origin).extend(1.0)
+        } else {
+            eye
+        };
         let seen = view_size(&clip_from_relative, &placed, frame, width, height);
 
         let largest = runs.iter().map(|run| run.run.count).max().unwrap_or(0);
@@ -139,7 +166,11 @@ impl Plan {
         let mut plan = Self {
             width,
             height,
-            serials: frame.hairs.iter().map(|hair| hair.geometry.serial).collect(),
+            serials: frame
+                .hairs
+                .iter()
+                .map(|hair| hair.geometry.serial)
+                .collect(),
             maps: Vec::new(),
             bands: Vec::new(),
             transparency,
@@ -149,8 +180,16 @@ impl Plan {
             map_words: 0,
             expected_fragments: seen.fragments as u64,
             uniforms: Vec::new(),
-            strands: frame.hairs.iter().map(|hair| hair.geometry.strand_count).sum(),
-            segments: frame.hairs.iter().map(|hair| hair.geometry.segment_count).sum(),
+            strands: frame
+                .hairs
+                .iter()
+                .map(|hair| hair.geometry.strand_count)
+                .sum(),
+            segments: frame
+                .hairs
+                .iter()
+                .map(|hair| hair.geometry.segment_count)
+                .sum(),
             shading,
             shadowed: false,
             reverse_z: frame.view.reverse_z,
@@ -163,7 +202,11 @@ impl Plan {
                 width,
                 height,
                 capacity: 0,
-                flags: if frame.view.reverse_z { layout::FRAME_REVERSE_Z } else { 0 },
+                flags: if frame.view.reverse_z {
+                    layout::FRAME_REVERSE_Z
+                } else {
+                    0
+                },
                 tail_scale: tail_scale(frame, &placed, origin),
                 run_points: largest,
                 run_columns: columns,
@@ -173,13 +216,27 @@ impl Plan {
             },
             runs,
         };
-        plan.uniforms.resize(std::mem::size_of::<layout::Frame>().next_multiple_of(UNIFORM_STRIDE as usize), 0);
-        let materials: Vec<u32> = frame.hairs.iter().map(|hair| plan.uniform(&hair.shading.material())).collect();
+        plan.uniforms.resize(
+            std::mem::size_of::<layout::Frame>().next_multiple_of(UNIFORM_STRIDE as usize),
+            0,
+        );
+        let materials: Vec<u32> = frame
+            .hairs
+            .iter()
+            .map(|hair| plan.uniform(&hair.shading.material()))
+            .collect();
         for run in &mut plan.runs {
             run.material = materials[run.hair];
         }
         plan.add_lights(frame, &placed, origin, gpu)?;
-        plan.add_bands(frame, &placed, &clip_from_relative, eye_relative, target, gpu);
+        plan.add_bands(
+            frame,
+            &placed,
+            &clip_from_relative,
+            eye_relative,
+            target,
+            gpu,
+        );
         Ok(plan)
     }
 
@@ -192,7 +249,12 @@ impl Plan {
     fn uniform<T: bytemuck::Pod>(&mut self, value: &T) -> u32 {
         let offset = self.uniforms.len();
         self.uniforms.extend_from_slice(bytemuck::bytes_of(value));
-        self.uniforms.resize(self.uniforms.len().next_multiple_of(UNIFORM_STRIDE as usize), 0);
+        self.uniforms.resize(
+            self.uniforms
+                .len()
+                .next_multiple_of(UNIFORM_STRIDE as usize),
+            0,
+        );
         offset as u32
     }
 
@@ -222,18 +284,32 @@ impl Plan {
     }
 
     /// The lights with their maps.
-    fn add_lights(&mut self, frame: &Frame, placed: &[Placed], origin: DVec3, gpu: &Gpu) -> Result<()> {
+    fn add_lights(
+        &mut self,
+        frame: &Frame,
+        placed: &[Placed],
+        origin: DVec3,
+        gpu: &Gpu,
+    ) -> Result<()> {
         let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
         let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
         for (number, light) in frame.lights.iter().enumerate() {
             let (place, power) = match light.kind {
-                LightKind::Directional { direction, irradiance } => ((-direction.normalize()).extend(0.0), irradiance),
-                LightKind::Point { position, intensity } => ((position - origin).extend(1.0), intensity),
+                LightKind::Directional {
+                    direction,
+                    irradiance,
+                } => ((-direction.normalize()).extend(0.0), irradiance),
+                LightKind::Point {
+                    position,
+                    intensity,
+                } => ((position - origin).extend(1.0), intensity),
             };
             let uniform = &mut self.frame_uniform.lights[number];
             uniform.place = vector(place);
             uniform.power = power.into();
-            let Shadow::DeepOpacityMap(settings) = choose_shadow(frame, number)? else { continue };
+            let Shadow::DeepOpacityMap(settings) = choose_shadow(frame, number)? else {
+                continue;
+            };
             if corners.is_empty() || self.runs.is_empty() {
                 continue;
             }
@@ -241,7 +317,9 @@ impl Plan {
             let extent = cameras.extent * f64::from(settings.depth);
             let first = self.maps.len();
             if first + cameras.views.len() > MAX_SHADOW_VIEWS {
-                return Err(Error::Unsupported(format!("light {number}: a frame takes at most {MAX_SHADOW_VIEWS} shadow maps")));
+                return Err(Error::Unsupported(format!(
+                    "light {number}: a frame takes at most {MAX_SHADOW_VIEWS} shadow maps"
+                )));
             }
             let texel = cameras.width / f64::from(settings.resolution);
             *uniform = layout::Light {
@@ -293,7 +371,11 @@ impl Plan {
             padding_0: 0,
             padding_1: 0,
         };
-        let seen = Seen { half_width_px: half_width, length_px: f64::from(settings.resolution), fragments: 0.0 };
+        let seen = Seen {
+            half_width_px: half_width,
+            length_px: f64::from(settings.resolution),
+            fragments: 0.0,
+        };
         let drawings = self.drawings(
             frame,
             placed,
@@ -312,7 +394,12 @@ impl Plan {
             },
         );
         let rasteriser = settings.raster.choose(half_width);
-        self.maps.push(PlannedMap { settings, rasteriser, drawings, splits: seen.splits() });
+        self.maps.push(PlannedMap {
+            settings,
+            rasteriser,
+            drawings,
+            splits: seen.splits(),
+        });
         Ok(())
     }
 
@@ -326,10 +413,19 @@ impl Plan {
         target: &Target,
         gpu: &Gpu,
     ) {
-        let rows = (band_pixels(gpu) / u64::from(self.width)).clamp(1, u64::from(self.height)) as u32;
+        let rows =
+            (band_pixels(gpu) / u64::from(self.width)).clamp(1, u64::from(self.height)) as u32;
         let mut flags = layout::DRAWING_DEPTH_OVER_W;
-        flags |= if frame.view.reverse_z { layout::DRAWING_REVERSE_Z } else { 0 };
-        flags |= if target.depth.is_some() { layout::DRAWING_HOST_DEPTH } else { 0 };
+        flags |= if frame.view.reverse_z {
+            layout::DRAWING_REVERSE_Z
+        } else {
+            0
+        };
+        flags |= if target.depth.is_some() {
+            layout::DRAWING_HOST_DEPTH
+        } else {
+            0
+        };
         for (number, first) in (0..self.height).step_by(rows as usize).enumerate() {
             let rows = rows.min(self.height - first);
             let drawings = self.drawings(
@@ -347,7 +443,12 @@ impl Plan {
                     ..bytemuck::Zeroable::zeroed()
                 },
             );
-            self.bands.push(Band { number: number as u32, first, rows, drawings });
+            self.bands.push(Band {
+                number: number as u32,
+                first,
+                rows,
+                drawings,
+            });
         }
     }
 }
@@ -358,13 +459,20 @@ fn plan_runs(frame: &Frame, gpu: &Gpu) -> Result<(Vec<PlannedRun>, u64)> {
     let mut base = 0u64;
     for (number, hair) in frame.hairs.iter().enumerate() {
         for run in &hair.geometry.runs {
-            runs.push(PlannedRun { hair: number, run: *run, base: base as u32, material: 0 });
+            runs.push(PlannedRun {
+                hair: number,
+                run: *run,
+                base: base as u32,
+                material: 0,
+            });
             base += u64::from(run.count).next_multiple_of(64);
         }
     }
     let most = MAX_FRAME_POINTS.min(gpu.max_binding() / 8);
     if base > most {
-        return Err(Error::Unsupported(format!("the frame's hairs have {base} points; this device takes {most}")));
+        return Err(Error::Unsupported(format!(
+            "the frame's hairs have {base} points; this device takes {most}"
+        )));
     }
     Ok((runs, base))
 }
@@ -374,7 +482,11 @@ fn choose_transparency(frame: &Frame) -> Result<Transparency> {
     if let Some(transparency) = frame.transparency {
         return Ok(transparency);
     }
-    agree("transparency", frame.hairs.iter().map(|hair| hair.transparency), Transparency::stem)
+    agree(
+        "transparency",
+        frame.hairs.iter().map(|hair| hair.transparency),
+        Transparency::stem,
+    )
 }
 
 /// The light's technique, or what the hairs agree on.
@@ -382,7 +494,11 @@ fn choose_shadow(frame: &Frame, light: usize) -> Result<Shadow> {
     if let Some(shadow) = frame.lights[light].shadow {
         return Ok(shadow);
     }
-    agree("shadow", frame.hairs.iter().map(|hair| hair.shadow), Shadow::stem)
+    agree(
+        "shadow",
+        frame.hairs.iter().map(|hair| hair.shadow),
+        Shadow::stem,
+    )
 }
 
 /// The only wish, the default where nobody wishes, or an error.
@@ -411,8 +527,15 @@ fn agree<T: Copy + PartialEq + Default>(
 
 /// All hairs' model; one model a frame for now, parameters may differ.
 fn one_shading(frame: &Frame) -> Result<&'static str> {
-    let first = frame.hairs.first().map_or("kajiya_kay", |hair| hair.shading.stem());
-    match frame.hairs.iter().position(|hair| hair.shading.stem() != first) {
+    let first = frame
+        .hairs
+        .first()
+        .map_or("kajiya_kay", |hair| hair.shading.stem());
+    match frame
+        .hairs
+        .iter()
+        .position(|hair| hair.shading.stem() != first)
+    {
         Some(other) => Err(Error::Conflict(format!(
             "hair 0 has the shading {first} and hair {other} {}",
             frame.hairs[other].shading.stem()
@@ -437,27 +560,51 @@ impl Seen {
 }
 
 /// Bounds of fibre width and segment length on the screen, and an estimate of the fragments.
-fn view_size(clip_from_relative: &DMat4, placed: &[Placed], frame: &Frame, width: u32, height: u32) -> Seen {
+fn view_size(
+    clip_from_relative: &DMat4,
+    placed: &[Placed],
+    frame: &Frame,
+    width: u32,
+    height: u32,
+) -> Seen {
     let screen = f64::from(width.max(height));
-    let mut seen = Seen { half_width_px: 0.0, length_px: 0.0, fragments: 0.0 };
+    let mut seen = Seen {
+        half_width_px: 0.0,
+        length_px: 0.0,
+        fragments: 0.0,
+    };
     for (hair, placed) in frame.hairs.iter().zip(placed) {
         if hair.geometry.segment_count == 0 {
             continue;
         }
         // Pixels a unit of length: the rows' lengths are the focal lengths, w the distance.
         let focal = (0..2)
-            .map(|axis| clip_from_relative.row(axis).truncate().length() * 0.5 * f64::from([width, height][axis]))
+            .map(|axis| {
+                clip_from_relative.row(axis).truncate().length()
+                    * 0.5
+                    * f64::from([width, height][axis])
+            })
             .fold(0.0f64, f64::max);
         let distance = |p: &DVec3| clip_from_relative.row(3).dot(p.extend(1.0));
-        let nearest = placed.corners.iter().map(distance).fold(f64::INFINITY, f64::min);
+        let nearest = placed
+            .corners
+            .iter()
+            .map(distance)
+            .fold(f64::INFINITY, f64::min);
         let middle = placed.corners.iter().map(distance).sum::<f64>() / 8.0;
         let diagonal = placed.corners[0].distance(placed.corners[7]);
         let parallel = clip_from_relative.row(3).truncate().length() < 1e-12;
         let px = |distance: f64| {
-            if parallel { focal / distance } else { focal / distance.max(diagonal * 1e-3).max(f64::MIN_POSITIVE) }
+            if parallel {
+                focal / distance
+            } else {
+                focal / distance.max(diagonal * 1e-3).max(f64::MIN_POSITIVE)
+            }
         };
         let longest = (diagonal * px(nearest)).min(2.0 * screen);
-        seen.half_width_px = seen.half_width_px.max((placed.radius * px(nearest)).min(screen));
+        seen.half_width_px = seen
+            .half_width_px
+            .max((placed.radius * px(nearest)).min(screen));
         seen.length_px = seen.length_px.max(longest);
         // A fibre of width w touches w + 4/π pixels a pixel of length on average; what leaves the screen is not counted.
         let middle_px = px(middle.max(nearest));
@@ -474,15 +621,28 @@ fn tail_scale(frame: &Frame, placed: &[Placed], origin: DVec3) -> f32 {
     for light in frame.lights {
         power += match light.kind {
             LightKind::Directional { irradiance, .. } => f64::from(irradiance.max_element()),
-            LightKind::Point { position, intensity } => {
-                let nearest = placed.iter().flat_map(|hair| hair.corners).map(|p| p.distance(position - origin));
-                let diagonal = placed.iter().map(|hair| hair.corners[0].distance(hair.corners[7])).fold(0.0, f64::max);
+            LightKind::Point {
+                position,
+                intensity,
+            } => {
+                let nearest = placed
+                    .iter()
+                    .flat_map(|hair| hair.corners)
+                    .map(|p| p.distance(position - origin));
+                let diagonal = placed
+                    .iter()
+                    .map(|hair| hair.corners[0].distance(hair.corners[7]))
+                    .fold(0.0, f64::max);
                 let distance = nearest.fold(f64::INFINITY, f64::min).max(0.05 * diagonal);
                 f64::from(intensity.max_element()) / (distance * distance).max(1e-20)
             }
         };
     }
-    let brightest = frame.hairs.iter().map(|hair| hair.shading.brightest()).fold(0.0f32, f32::max);
+    let brightest = frame
+        .hairs
+        .iter()
+        .map(|hair| hair.shading.brightest())
+        .fold(0.0f32, f32::max);
     let radiance = (f64::from(brightest) * power).clamp(1e-6, 1e6);
     (65536.0 / radiance) as f32
 }
@@ -507,7 +667,11 @@ struct LightCameras {
 /// Fits a light's maps to the corners of all hairs' boxes.
 fn light_cameras(place: DVec4, corners: &[DVec3], radius: f64) -> LightCameras {
     let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
-    let size = corners.iter().map(|p| p.distance(centre)).fold(0.0, f64::max) + radius;
+    let size = corners
+        .iter()
+        .map(|p| p.distance(centre))
+        .fold(0.0, f64::max)
+        + radius;
     let size = size.max(centre.length() * 1e-9).max(1e-12);
     if place.w == 0.0 {
         return directional_camera(-place.truncate(), corners, radius.max(size * 1e-6));
@@ -527,11 +691,25 @@ fn light_cameras(place: DVec4, corners: &[DVec3], radius: f64) -> LightCameras {
         };
     }
     // The light is among the hair: a cube.
-    let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+    let axes = [
+        DVec3::X,
+        DVec3::NEG_X,
+        DVec3::Y,
+        DVec3::NEG_Y,
+        DVec3::Z,
+        DVec3::NEG_Z,
+    ];
     // Hair closer to the light than this casts no shadow.
     let plane = 0.01 * size;
-    let views = axes.map(|axis| point_camera(light, axis, std::f64::consts::FRAC_PI_4, 0.0, plane)).into();
-    LightCameras { views, extent: distance + size, width: distance + size, nearest_width: 2.0 * plane }
+    let views = axes
+        .map(|axis| point_camera(light, axis, std::f64::consts::FRAC_PI_4, 0.0, plane))
+        .into();
+    LightCameras {
+        views,
+        extent: distance + size,
+        width: distance + size,
+        nearest_width: 2.0 * plane,
+    }
 }
 
 /// Two unit vectors that complete a direction.
@@ -557,20 +735,40 @@ fn directional_camera(axis: DVec3, corners: &[DVec3], margin: f64) -> LightCamer
     // Clip depth runs from ¼ to ¾, well inside both planes.
     let z_row = depth_row * (0.5 / (z1 - z0)) + DVec4::W * 0.25;
     let rows = DMat4::from_cols(row(right, x0, x1), row(up, y0, y1), z_row, DVec4::W);
-    let camera = LightCamera { clip_from_relative: rows.transpose(), depth_row, eye: (-axis).extend(0.0) };
+    let camera = LightCamera {
+        clip_from_relative: rows.transpose(),
+        depth_row,
+        eye: (-axis).extend(0.0),
+    };
     let width = (x1 - x0).max(y1 - y0);
-    LightCameras { views: vec![camera], extent: z1 - z0, width, nearest_width: (x1 - x0).min(y1 - y0) }
+    LightCameras {
+        views: vec![camera],
+        extent: z1 - z0,
+        width,
+        nearest_width: (x1 - x0).min(y1 - y0),
+    }
 }
 
 /// A perspective camera at a light; depth is the distance along the axis beyond `near`.
-fn point_camera(light: DVec3, direction: DVec3, half_angle: f64, near: f64, plane: f64) -> LightCamera {
+fn point_camera(
+    light: DVec3,
+    direction: DVec3,
+    half_angle: f64,
+    near: f64,
+    plane: f64,
+) -> LightCamera {
     let axis = direction.normalize();
     let (right, up) = basis(axis);
     let row = |direction: DVec3| direction.extend(-direction.dot(light));
     let focal = 1.0 / half_angle.tan();
     let along = row(axis);
     // Clip depth 1 - plane / distance: no far plane.
-    let rows = DMat4::from_cols(row(right) * focal, row(up) * focal, along - DVec4::W * plane, along);
+    let rows = DMat4::from_cols(
+        row(right) * focal,
+        row(up) * focal,
+        along - DVec4::W * plane,
+        along,
+    );
     LightCamera {
         clip_from_relative: rows.transpose(),
         depth_row: along - DVec4::W * near,

@@ -31,7 +31,11 @@ impl Renderer {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let gpu = Gpu::new(device, queue)?;
         let resources = Resources::new(&gpu)?;
-        Ok(Self { gpu, resources, statistics: Statistics::default() })
+        Ok(Self {
+            gpu,
+            resources,
+            statistics: Statistics::default(),
+        })
     }
 
     /// Uploads strands as a hair with default shading, fully opaque fibres, and no wishes.
@@ -68,7 +72,12 @@ impl Renderer {
     /// # Errors
     /// A value out of range, named; a conflict of wishes; a target that does not fit; no memory. Nothing has then been
     /// recorded.
-    pub fn record(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target) -> Result<()> {
+    pub fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        target: &Target,
+    ) -> Result<()> {
         self.record_passes(&mut Passes::Recorded(encoder), frame, target)
     }
 
@@ -99,7 +108,8 @@ impl Renderer {
             }
         }
         let mut plan = Plan::new(&self.gpu, frame, target)?;
-        self.resources.prepare(&self.gpu, frame, &mut plan, target)?;
+        self.resources
+            .prepare(&self.gpu, frame, &mut plan, target)?;
         frame::record(&mut self.gpu, passes, &self.resources, &plan, target)?;
         self.statistics.strands = plan.strands;
         self.statistics.segments = plan.segments;
@@ -141,7 +151,9 @@ impl Renderer {
         if let Err(error) = self.gpu.device.poll(wgpu::PollType::Poll) {
             log::debug!("polling: {error}");
         }
-        let Some(returned) = self.resources.collect() else { return };
+        let Some(returned) = self.resources.collect() else {
+            return;
+        };
         self.statistics.fragments = Fragments {
             produced: returned.produced,
             culled: returned.culled,
@@ -151,7 +163,10 @@ impl Renderer {
         self.statistics.covered_pixels = returned.covered;
         self.statistics.mismatched = returned.mismatched;
         if returned.mismatched > 0 {
-            log::error!("{} fragments were stored that had not been counted", returned.mismatched);
+            log::error!(
+                "{} fragments were stored that had not been counted",
+                returned.mismatched
+            );
         }
         if returned.merged > 0 {
             log::warn!(

@@ -10,8 +10,8 @@ use crate::gpu::{Allocation, Gpu, Group, Passes};
 use crate::layout::{Counters, OVERFLOW_WORDS, SCAN_BLOCK};
 use crate::plan::Plan;
 use crate::raster::Rasteriser;
-use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
 use crate::transparency::Transparency;
+use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
 
 /// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
 pub(crate) const RING: usize = 8;
@@ -22,6 +22,8 @@ const MAX_BANDS: u64 = 64;
 /// Room in a new pool beyond what the frame is expected, or was measured, to need.
 const POOL_MARGIN: f64 = 1.15;
 
+/// Fragments of the smallest pool that the library makes of itself.
+const SMALLEST_POOL: u64 = 1 << 16;
 /// Bytes that a pool leaves free in the host's budget.
 const RESERVE: u64 = 1 << 16;
 
@@ -109,7 +111,13 @@ impl Bound<'_> {
     pub fn copy_arguments(&self, passes: &mut Passes) {
         let size = size_of::<Counters>() as u64;
         passes.encode("pelage.transparency.arguments", |encoder| {
-            encoder.copy_buffer_to_buffer(&self.pixels.counters.buffer, 0, self.arguments, 0, Some(size));
+            encoder.copy_buffer_to_buffer(
+                &self.pixels.counters.buffer,
+                0,
+                self.arguments,
+                0,
+                Some(size),
+            );
         });
     }
 
@@ -118,7 +126,13 @@ impl Bound<'_> {
         let size = size_of::<Counters>() as u64;
         let at = u64::from(band).min(MAX_BANDS - 1) * COUNTER_STRIDE;
         passes.encode("pelage.counters", |encoder| {
-            encoder.copy_buffer_to_buffer(&self.pixels.counters.buffer, 0, &self.returned.buffer, at, Some(size));
+            encoder.copy_buffer_to_buffer(
+                &self.pixels.counters.buffer,
+                0,
+                &self.returned.buffer,
+                at,
+                Some(size),
+            );
         });
     }
 }
@@ -166,7 +180,13 @@ fn part(allocation: &Allocation, first: u64, count: u64, each: u64) -> wgpu::Bin
 }
 
 /// Grows a buffer to `size` bytes; the old one is kept where that fails.
-fn grow(gpu: &Gpu, slot: &mut Allocation, label: &'static str, size: u64, generation: &mut u64) -> Result<()> {
+fn grow(
+    gpu: &Gpu,
+    slot: &mut Allocation,
+    label: &'static str,
+    size: u64,
+    generation: &mut u64,
+) -> Result<()> {
     if slot.size() >= size {
         return Ok(());
     }
@@ -183,7 +203,11 @@ impl Resources {
                 let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
                 Ok(Slot {
                     uniforms: None,
-                    counters: gpu.allocate("pelage.counters.returned", MAX_BANDS * COUNTER_STRIDE, usage)?,
+                    counters: gpu.allocate(
+                        "pelage.counters.returned",
+                        MAX_BANDS * COUNTER_STRIDE,
+                        usage,
+                    )?,
                     state: Arc::default(),
                     bands: 0,
                     lists: false,
@@ -220,12 +244,17 @@ impl Resources {
             slot: 0,
             no_depth: gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("pelage.no_depth"),
-                size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+                size: wgpu::Extent3d {
+                    width: 1,
+                    height: 1,
+                    depth_or_array_layers: 1,
+                },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format: wgpu::TextureFormat::Depth32Float,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING
+                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
                 view_formats: &[],
             }),
             attachment: None,
@@ -235,17 +264,27 @@ impl Resources {
     }
 
     /// Makes everything that the plan needs, and writes its uniforms.
-    pub fn prepare(&mut self, gpu: &Gpu, frame: &Frame, plan: &mut Plan, target: &Target) -> Result<()> {
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        plan: &mut Plan,
+        target: &Target,
+    ) -> Result<()> {
         if plan.runs.is_empty() {
             return Ok(());
         }
         self.grow_pools(gpu, plan)?;
         if gpu.limits.max_texture_dimension_2d < plan.width.max(plan.height) {
-            return Err(Error::Unsupported(format!("a target of {}×{} pixels", plan.width, plan.height)));
+            return Err(Error::Unsupported(format!(
+                "a target of {}×{} pixels",
+                plan.width, plan.height
+            )));
         }
         self.grow_attachment(gpu, plan);
-        let key_matches =
-            self.groups.as_ref().is_some_and(|groups| groups.generation == self.generation && groups.serials == plan.serials);
+        let key_matches = self.groups.as_ref().is_some_and(|groups| {
+            groups.generation == self.generation && groups.serials == plan.serials
+        });
         if !key_matches {
             self.groups = Some(self.bind(gpu, frame, plan));
         }
@@ -257,28 +296,93 @@ impl Resources {
     fn grow_pools(&mut self, gpu: &Gpu, plan: &Plan) -> Result<()> {
         let generation = &mut self.generation;
         let points = plan.point_count;
-        grow(gpu, &mut self.projected, "pelage.geometry.projected", points * 16, generation)?;
-        grow(gpu, &mut self.projected_attributes, "pelage.geometry.projected_attributes", points * 8, generation)?;
-        grow(gpu, &mut self.shaded, "pelage.shading.points", points * 8, generation)?;
+        grow(
+            gpu,
+            &mut self.projected,
+            "pelage.geometry.projected",
+            points * 16,
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.projected_attributes,
+            "pelage.geometry.projected_attributes",
+            points * 8,
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.shaded,
+            "pelage.shading.points",
+            points * 8,
+            generation,
+        )?;
         if plan.host_depth {
             let bytes = u64::from(plan.tile_count()) * 4;
-            grow(gpu, &mut self.host_tiles, "pelage.geometry.host_tiles", bytes, generation)?;
+            grow(
+                gpu,
+                &mut self.host_tiles,
+                "pelage.geometry.host_tiles",
+                bytes,
+                generation,
+            )?;
         }
-        grow(gpu, &mut self.maps, "pelage.shadow.maps", plan.map_words * 4, generation)?;
-        let pixels = plan.bands.iter().map(|band| u64::from(plan.width) * u64::from(band.rows)).max().unwrap_or(0);
+        grow(
+            gpu,
+            &mut self.maps,
+            "pelage.shadow.maps",
+            plan.map_words * 4,
+            generation,
+        )?;
+        let pixels = plan
+            .bands
+            .iter()
+            .map(|band| u64::from(plan.width) * u64::from(band.rows))
+            .max()
+            .unwrap_or(0);
         let pool = &mut self.pixels;
-        grow(gpu, &mut pool.fill, "pelage.transparency.fill", pixels * 4, generation)?;
+        grow(
+            gpu,
+            &mut pool.fill,
+            "pelage.transparency.fill",
+            pixels * 4,
+            generation,
+        )?;
         match plan.transparency {
             Transparency::Opaque(_) => {
-                grow(gpu, &mut pool.links, "pelage.transparency.links", pixels * 4, generation)?;
-                grow(gpu, &mut pool.keys, "pelage.transparency.keys", pixels * 4, generation)
+                grow(
+                    gpu,
+                    &mut pool.links,
+                    "pelage.transparency.links",
+                    pixels * 4,
+                    generation,
+                )?;
+                grow(
+                    gpu,
+                    &mut pool.keys,
+                    "pelage.transparency.keys",
+                    pixels * 4,
+                    generation,
+                )
             }
             Transparency::ABuffer(settings) => {
                 let words = pixels * 4 * OVERFLOW_WORDS;
-                grow(gpu, &mut pool.overflow, "pelage.transparency.overflow", words, generation)?;
+                grow(
+                    gpu,
+                    &mut pool.overflow,
+                    "pelage.transparency.overflow",
+                    words,
+                    generation,
+                )?;
                 if settings.storage == Storage::Counted {
                     let scan = pixels + 1 + pixels.div_ceil(u64::from(SCAN_BLOCK));
-                    grow(gpu, &mut pool.links, "pelage.transparency.links", scan * 4, generation)?;
+                    grow(
+                        gpu,
+                        &mut pool.links,
+                        "pelage.transparency.links",
+                        scan * 4,
+                        generation,
+                    )?;
                 }
                 self.grow_fragments(gpu, plan, &settings)
             }
@@ -287,14 +391,18 @@ impl Resources {
 
     /// Sizes the fragment pool: to what the host says, or to what is expected or was measured, within the budget.
     fn grow_fragments(&mut self, gpu: &Gpu, plan: &Plan, settings: &ABuffer) -> Result<()> {
-        let each = if settings.storage == Storage::Lists { NODE_BYTES } else { FRAGMENT_BYTES };
+        let each = if settings.storage == Storage::Lists {
+            NODE_BYTES
+        } else {
+            FRAGMENT_BYTES
+        };
         let held = self.pixels.keys.size() / 4;
         let most = gpu.max_binding() / 4;
         let wanted = match settings.pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
                 let expected = plan.expected_fragments.max(self.needed) as f64 * POOL_MARGIN;
-                (expected as u64).clamp(4096, most)
+                (expected as u64).clamp(SMALLEST_POOL.min(most), most)
             }
         };
         // What the old pool holds comes free before the new one is made; the ring's uniforms find room too.
@@ -319,12 +427,23 @@ impl Resources {
                 }
             }
             if lists {
-                grow(gpu, &mut pool.links, "pelage.transparency.links", wanted * 4, generation)?;
+                grow(
+                    gpu,
+                    &mut pool.links,
+                    "pelage.transparency.links",
+                    wanted * 4,
+                    generation,
+                )?;
             }
         }
-        let held = [&self.pixels.keys, &self.pixels.points, &self.pixels.values].map(|a| a.size() / 4);
+        let held =
+            [&self.pixels.keys, &self.pixels.points, &self.pixels.values].map(|a| a.size() / 4);
         let held = held.into_iter().min().unwrap_or(0);
-        self.capacity = if settings.pool_bytes.is_some() { wanted.min(held) } else { held.min(most) };
+        self.capacity = if settings.pool_bytes.is_some() {
+            wanted.min(held)
+        } else {
+            held.min(most)
+        };
         if lists {
             self.capacity = self.capacity.min(self.pixels.links.size() / 4);
         }
@@ -334,17 +453,37 @@ impl Resources {
     /// The attachment of ribbons, as large as the largest image that they draw.
     fn grow_attachment(&mut self, gpu: &Gpu, plan: &Plan) {
         let view = [(plan.rasteriser, plan.width, plan.height)];
-        let maps = plan.maps.iter().map(|map| (map.rasteriser, map.settings.resolution, map.settings.resolution));
-        let sizes = view.into_iter().chain(maps).filter(|(rasteriser, ..)| *rasteriser == Rasteriser::Ribbons);
-        let Some((width, height)) = sizes.map(|(_, w, h)| (w, h)).reduce(|a, b| (a.0.max(b.0), a.1.max(b.1))) else {
+        let maps = plan.maps.iter().map(|map| {
+            (
+                map.rasteriser,
+                map.settings.resolution,
+                map.settings.resolution,
+            )
+        });
+        let sizes = view
+            .into_iter()
+            .chain(maps)
+            .filter(|(rasteriser, ..)| *rasteriser == Rasteriser::Ribbons);
+        let Some((width, height)) = sizes
+            .map(|(_, w, h)| (w, h))
+            .reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
+        else {
             return;
         };
-        if self.attachment.as_ref().is_some_and(|held| held.width() >= width && held.height() >= height) {
+        if self
+            .attachment
+            .as_ref()
+            .is_some_and(|held| held.width() >= width && held.height() >= height)
+        {
             return;
         }
         self.attachment = Some(gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("pelage.raster.ribbons"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -360,7 +499,11 @@ impl Resources {
             .iter()
             .map(|run| {
                 let geometry = &frame.hairs[run.hair].geometry;
-                let (first, base, count) = (u64::from(run.run.first), u64::from(run.base), u64::from(run.run.count));
+                let (first, base, count) = (
+                    u64::from(run.run.first),
+                    u64::from(run.base),
+                    u64::from(run.run.count),
+                );
                 let points = || part(&geometry.points, first, count, 16);
                 let attributes = || part(&geometry.attributes, first, count, 8);
                 let projected = || part(&self.projected, base, count, 16);
@@ -369,13 +512,28 @@ impl Resources {
                     project: gpu.bind(
                         "pelage.project",
                         Group::Project,
-                        &[points(), attributes(), projected(), projected_attributes(), self.host_tiles.binding()],
+                        &[
+                            points(),
+                            attributes(),
+                            projected(),
+                            projected_attributes(),
+                            self.host_tiles.binding(),
+                        ],
                     ),
-                    segments: gpu.bind("pelage.segments", Group::Segments, &[projected(), projected_attributes()]),
+                    segments: gpu.bind(
+                        "pelage.segments",
+                        Group::Segments,
+                        &[projected(), projected_attributes()],
+                    ),
                     shade: gpu.bind(
                         "pelage.shade",
                         Group::Shade,
-                        &[points(), attributes(), geometry.colours.binding(), self.shaded.binding()],
+                        &[
+                            points(),
+                            attributes(),
+                            geometry.colours.binding(),
+                            self.shaded.binding(),
+                        ],
                     ),
                 }
             })
@@ -398,8 +556,16 @@ impl Resources {
             serials: plan.serials.clone(),
             generation: self.generation,
             runs,
-            host_tiles: gpu.bind("pelage.host_tiles", Group::HostTiles, &[self.host_tiles.binding()]),
-            maps_written: gpu.bind("pelage.maps_written", Group::MapsWritten, &[self.maps.binding()]),
+            host_tiles: gpu.bind(
+                "pelage.host_tiles",
+                Group::HostTiles,
+                &[self.host_tiles.binding()],
+            ),
+            maps_written: gpu.bind(
+                "pelage.maps_written",
+                Group::MapsWritten,
+                &[self.maps.binding()],
+            ),
             maps_read: gpu.bind("pelage.maps_read", Group::MapsRead, &[self.maps.binding()]),
             pixels_written: gpu.bind("pelage.pixels_written", Group::PixelsWritten, &pixels),
             pixels_read: gpu.bind("pelage.pixels_read", Group::PixelsRead, &pixels),
@@ -412,9 +578,12 @@ impl Resources {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let stale = slot.uniforms.as_ref().is_none_or(|held| held.size() < size);
         if stale {
-            slot.uniforms = Some(gpu.allocate("pelage.uniforms", size.next_power_of_two(), usage)?);
+            slot.uniforms =
+                Some(gpu.allocate("pelage.uniforms", size.next_power_of_two(), usage)?);
         }
-        let Some(uniforms) = &slot.uniforms else { return Ok(()) };
+        let Some(uniforms) = &slot.uniforms else {
+            return Ok(());
+        };
         gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
         if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
             let bind = |depth: &wgpu::Texture| {
@@ -445,7 +614,13 @@ impl Resources {
             slot.depth = target.depth.cloned();
         }
         slot.bands = plan.bands.len() as u64;
-        slot.lists = matches!(plan.transparency, Transparency::ABuffer(ABuffer { storage: Storage::Lists, .. }));
+        slot.lists = matches!(
+            plan.transparency,
+            Transparency::ABuffer(ABuffer {
+                storage: Storage::Lists,
+                ..
+            })
+        );
         slot.capacity = self.capacity;
         Ok(())
     }
@@ -467,7 +642,10 @@ impl Resources {
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             pixels: &self.pixels,
-            attachment: self.attachment.as_ref().map(|texture| texture.create_view(&Default::default())),
+            attachment: self
+                .attachment
+                .as_ref()
+                .map(|texture| texture.create_view(&Default::default())),
             arguments: &self.arguments.buffer,
             returned: &slot.counters,
         })
@@ -488,7 +666,10 @@ impl Resources {
         slot.state.store(PENDING, Ordering::Release);
         let state = slot.state.clone();
         let arrived = move |result: std::result::Result<(), wgpu::BufferAsyncError>| {
-            state.store(if result.is_ok() { ARRIVED } else { FAILED }, Ordering::Release);
+            state.store(
+                if result.is_ok() { ARRIVED } else { FAILED },
+                Ordering::Release,
+            );
         };
         passes.encode("pelage.counters", |encoder| {
             encoder.map_buffer_on_submit(&slot.counters.buffer, wgpu::MapMode::Read, .., arrived);
@@ -497,7 +678,10 @@ impl Resources {
 
     /// Whether the slot that the next frame will use is still on its way.
     pub fn next_slot_busy(&self) -> bool {
-        self.slots[(self.slot + 1) % RING].state.load(Ordering::Acquire) == PENDING
+        self.slots[(self.slot + 1) % RING]
+            .state
+            .load(Ordering::Acquire)
+            == PENDING
     }
 
     /// Takes in all counters that have arrived; the newest.
@@ -526,12 +710,20 @@ impl Resources {
 /// The sums of a slot's bands.
 fn read_slot(slot: &Slot) -> Returned {
     let mut sum = Returned::default();
-    let Ok(bytes) = slot.counters.buffer.get_mapped_range(..) else { return sum };
+    let Ok(bytes) = slot.counters.buffer.get_mapped_range(..) else {
+        return sum;
+    };
     for band in 0..slot.bands.min(MAX_BANDS) {
         let at = (band * COUNTER_STRIDE) as usize;
-        let counters: Counters = bytemuck::pod_read_unaligned(&bytes[at..at + size_of::<Counters>()]);
-        let [produced, culled, mut stored, mut merged] =
-            [counters.produced, counters.culled, counters.stored, counters.merged].map(u64::from);
+        let counters: Counters =
+            bytemuck::pod_read_unaligned(&bytes[at..at + size_of::<Counters>()]);
+        let [produced, culled, mut stored, mut merged] = [
+            counters.produced,
+            counters.culled,
+            counters.stored,
+            counters.merged,
+        ]
+        .map(u64::from);
         let mut needed = produced;
         if slot.lists {
             needed = stored;

@@ -69,7 +69,10 @@ pub(crate) struct Joined {
 
 impl Module {
     pub fn new(files: &[&'static str]) -> Self {
-        Self { constants: Vec::new(), files: files.to_vec() }
+        Self {
+            constants: Vec::new(),
+            files: files.to_vec(),
+        }
     }
 
     pub fn and(mut self, files: &[&'static str]) -> Self {

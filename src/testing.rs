@@ -7,8 +7,10 @@ use std::mem::offset_of;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{Shading, kajiya_kay};
-use crate::transparency::{ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module};
 use crate::shadow::{deep_opacity_map, look_up};
+use crate::transparency::{
+    ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
+};
 
 /// A module that the crate can build.
 pub struct Combination {
@@ -20,19 +22,41 @@ pub struct Combination {
 /// Every module that the crate can build.
 pub fn combinations() -> Vec<Combination> {
     let mut modules: Vec<(String, Module)> = Vec::new();
-    let emissions = opaque::EMISSIONS.iter().chain(&a_buffer::EMISSIONS).chain(&deep_opacity_map::EMISSIONS);
+    let emissions = opaque::EMISSIONS
+        .iter()
+        .chain(&a_buffer::EMISSIONS)
+        .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
-            modules.push((format!("{} {rasteriser}", emission.label), emission.module(rasteriser)));
+            modules.push((
+                format!("{} {rasteriser}", emission.label),
+                emission.module(rasteriser),
+            ));
         }
     }
     let counted = Transparency::ABuffer(ABuffer::default());
-    let lists = Transparency::ABuffer(ABuffer { storage: Storage::Lists, ..Default::default() });
-    for (name, technique) in [("opaque", Transparency::Opaque(Opaque::default())), ("counted", counted), ("lists", lists)] {
-        modules.push((format!("composite {name}"), resolve_module(&technique).and(&["composite"])));
+    let lists = Transparency::ABuffer(ABuffer {
+        storage: Storage::Lists,
+        ..Default::default()
+    });
+    for (name, technique) in [
+        ("opaque", Transparency::Opaque(Opaque::default())),
+        ("counted", counted),
+        ("lists", lists),
+    ] {
+        modules.push((
+            format!("composite {name}"),
+            resolve_module(&technique).and(&["composite"]),
+        ));
     }
-    modules.push(("project".into(), Module::new(&["common/pixels", "common/project"])));
-    modules.push(("host_tiles".into(), Module::new(&["common/pixels", "common/host_tiles"])));
+    modules.push((
+        "project".into(),
+        Module::new(&["common/pixels", "common/project"]),
+    ));
+    modules.push((
+        "host_tiles".into(),
+        Module::new(&["common/pixels", "common/host_tiles"]),
+    ));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
@@ -41,12 +65,25 @@ pub fn combinations() -> Vec<Combination> {
         let points = Module::new(look_up(shadowed)).and(&["shading/points", kajiya_kay::POINTS.1]);
         modules.push((format!("points, shadowed {shadowed}"), points));
     }
-    modules.push(("prefix".into(), Module::new(&["shadow/deep_opacity_map_prefix"])));
-    modules.push(("overflow".into(), Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"])));
-    modules.push(("receive".into(), Module::new(look_up(true)).and(&["receive"])));
+    modules.push((
+        "prefix".into(),
+        Module::new(&["shadow/deep_opacity_map_prefix"]),
+    ));
+    modules.push((
+        "overflow".into(),
+        Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
+    ));
+    modules.push((
+        "receive".into(),
+        Module::new(look_up(true)).and(&["receive"]),
+    ));
     modules
         .into_iter()
-        .map(|(name, module)| Combination { name, source: module.join().source, files: module.files.clone() })
+        .map(|(name, module)| Combination {
+            name,
+            source: module.join().source,
+            files: module.files.clone(),
+        })
         .collect()
 }
 
@@ -127,4 +164,9 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("OVERFLOW_WORDS", layout::OVERFLOW_WORDS as u32),
         ("SCAN_BLOCK", layout::SCAN_BLOCK),
     ]
+}
+
+/// Straight pieces into which each of a groom's curved segments is cut.
+pub fn curve_pieces(strands: &crate::groom::Strands) -> u32 {
+    crate::geometry::curve_pieces(strands)
 }

@@ -51,7 +51,11 @@ impl View {
             DVec4::new(0.0, 0.0, far / (near - far), -1.0),
             DVec4::new(0.0, 0.0, near * far / (near - far), 0.0),
         );
-        Ok(Self { view_from_world: look_at(eye, target - eye, up), clip_from_view, reverse_z: false })
+        Ok(Self {
+            view_from_world: look_at(eye, target - eye, up),
+            clip_from_view,
+            reverse_z: false,
+        })
     }
 
     /// Position of the eye in world space (w = 1), or for an orthographic view the direction towards it (w = 0).
@@ -71,7 +75,10 @@ impl View {
     }
 
     pub(crate) fn validate(&self) -> Result<()> {
-        for (name, matrix) in [("view_from_world", &self.view_from_world), ("clip_from_view", &self.clip_from_view)] {
+        for (name, matrix) in [
+            ("view_from_world", &self.view_from_world),
+            ("clip_from_view", &self.clip_from_view),
+        ] {
             if !matrix.is_finite() {
                 return invalid!("{name} has an element that is not finite");
             }
@@ -89,6 +96,12 @@ pub(crate) fn look_at(eye: DVec3, forward: DVec3, up: DVec3) -> DMat4 {
     let back = -forward.normalize();
     let right = up.cross(back).normalize();
     let above = back.cross(right);
-    let rotation = DMat4::from_cols(right.extend(0.0), above.extend(0.0), back.extend(0.0), DVec4::W).transpose();
+    let rotation = DMat4::from_cols(
+        right.extend(0.0),
+        above.extend(0.0),
+        back.extend(0.0),
+        DVec4::W,
+    )
+    .transpose();
     rotation * DMat4::from_translation(-eye)
 }

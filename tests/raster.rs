@@ -35,12 +35,20 @@ fn strands(width: f64, segment: f64) -> Strands {
     for cell in 0..CELLS * CELLS {
         let angle = std::f64::consts::PI * cell as f64 / (CELLS * CELLS) as f64;
         let half = 0.5 * LENGTH;
-        let place = |axis: usize, at: usize| (at as f64 + 0.5) * CELL as f64 - 0.5 * f64::from(SIZE[axis]);
+        let place =
+            |axis: usize, at: usize| (at as f64 + 0.5) * CELL as f64 - 0.5 * f64::from(SIZE[axis]);
         let seed = (cell as f64 * 7.0 + width * 1e3 + segment * 1e5) as u64;
-        let centre = [place(0, cell % CELLS) + unit(2 * seed), place(1, cell / CELLS) + unit(2 * seed + 1)];
+        let centre = [
+            place(0, cell % CELLS) + unit(2 * seed),
+            place(1, cell / CELLS) + unit(2 * seed + 1),
+        ];
         for i in 0..=segments {
             let along = LENGTH * i as f64 / segments as f64 - half;
-            points.push([(centre[0] + along * angle.cos()) as f32, (centre[1] + along * angle.sin()) as f32, 0.0]);
+            points.push([
+                (centre[0] + along * angle.cos()) as f32,
+                (centre[1] + along * angle.sin()) as f32,
+                0.0,
+            ]);
         }
     }
     let counts = vec![segments as u32 + 1; CELLS * CELLS];
@@ -76,7 +84,13 @@ fn check(device: &mut Device, width: f64, segment: f64, raster: Raster) -> f64 {
         let lights = [unshadowed(DVec3::NEG_Z, Vec3::ONE)];
         let view = pixel_view(SIZE, 10.0);
         let transparency = Some(a_buffer(Storage::Counted, raster));
-        let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency };
+        let frame = Frame {
+            hairs: &hairs,
+            lights: &lights,
+            ambient: Vec3::ZERO,
+            view,
+            transparency,
+        };
         let (image, _) = render(device, &frame, SIZE);
         // A lone strand covers each pixel once: its light is opacity × area. The radius is f32's.
         let truth = f64::from(opacity) * LENGTH * 2.0 * f64::from((0.5 * width) as f32);
@@ -85,7 +99,11 @@ fn check(device: &mut Device, width: f64, segment: f64, raster: Raster) -> f64 {
                 let off = value / truth - 1.0;
                 worst = worst.max(off.abs());
                 if off.abs() > ENERGY {
-                    write_failure(&format!("energy {width} {segment} {opacity}"), &image, &reference(&frame, SIZE, None));
+                    write_failure(
+                        &format!("energy {width} {segment} {opacity}"),
+                        &image,
+                        &reference(&frame, SIZE, None),
+                    );
                     panic!(
                         "{raster:?}: width {width} px, segments of {segment} px, opacity {opacity}, strand {cell} of {}: \
                          {what} {value} is {off:+.4} off {truth}",
@@ -112,7 +130,15 @@ fn a_strand_has_the_light_of_its_area_by_the_walk() {
 #[test]
 fn a_strand_has_the_light_of_its_area_by_ribbons() {
     let Some(mut device) = device() else { return };
-    for (width, segment) in [(0.01, 0.05), (0.01, 50.0), (0.3, 0.3), (1.0, 0.05), (2.0, 5.0), (10.0, 1.0), (10.0, 50.0)] {
+    for (width, segment) in [
+        (0.01, 0.05),
+        (0.01, 50.0),
+        (0.3, 0.3),
+        (1.0, 0.05),
+        (2.0, 5.0),
+        (10.0, 1.0),
+        (10.0, 50.0),
+    ] {
         check(&mut device, width, segment, Raster::Ribbons);
     }
 }
@@ -128,30 +154,52 @@ fn a_strand_shorter_than_a_pixel_has_the_light_of_its_area() {
         for cell in 0..columns * columns {
             let angle = unit(cell as u64) * std::f64::consts::TAU;
             let place = |at: usize, seed: u64| at as f64 * 4.0 + 1.5 - 32.0 + unit(seed);
-            let (x, y) = (place(cell % columns, 1000 + cell as u64), place(cell / columns, 2000 + cell as u64));
+            let (x, y) = (
+                place(cell % columns, 1000 + cell as u64),
+                place(cell / columns, 2000 + cell as u64),
+            );
             for i in 0..=segments {
                 let along = length * (i as f64 / segments as f64 - 0.5);
-                points.push([(x + along * angle.cos()) as f32, (y + along * angle.sin()) as f32, 0.0]);
+                points.push([
+                    (x + along * angle.cos()) as f32,
+                    (y + along * angle.sin()) as f32,
+                    0.0,
+                ]);
             }
         }
-        let strands = Strands::new(points, &vec![segments as u32 + 1; columns * columns], 0.1).unwrap();
+        let strands =
+            Strands::new(points, &vec![segments as u32 + 1; columns * columns], 0.1).unwrap();
         let hair = hair(&mut device, &strands, 1.0);
         let hairs = [&hair];
         let lights = [unshadowed(DVec3::NEG_Z, Vec3::ONE)];
         let view = pixel_view(size, 10.0);
         for raster in [Raster::Walk, Raster::Ribbons] {
             let transparency = Some(a_buffer(Storage::Counted, raster));
-            let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency };
+            let frame = Frame {
+                hairs: &hairs,
+                lights: &lights,
+                ambient: Vec3::ZERO,
+                view,
+                transparency,
+            };
             let (image, _) = render(&mut device, &frame, size);
             let truth = length * width;
             let mut sums = vec![0.0; columns * columns];
             for (i, pixel) in image.pixels.iter().enumerate() {
                 sums[i / 64 / 4 * columns + i % 64 / 4] += pixel[3];
             }
-            let worst = sums.iter().map(|sum| (sum / truth - 1.0).abs()).fold(0.0, f64::max);
+            let worst = sums
+                .iter()
+                .map(|sum| (sum / truth - 1.0).abs())
+                .fold(0.0, f64::max);
             let total = sums.iter().sum::<f64>() / truth / sums.len() as f64 - 1.0;
-            eprintln!("{raster:?} strands of {length} px in {segments}: worst {worst:.4}, all {total:+.5}");
-            assert!(worst <= ENERGY, "{raster:?} strands of {length} px in {segments}: worst {worst}, all {total}");
+            eprintln!(
+                "{raster:?} strands of {length} px in {segments}: worst {worst:.4}, all {total:+.5}"
+            );
+            assert!(
+                worst <= ENERGY,
+                "{raster:?} strands of {length} px in {segments}: worst {worst}, all {total}"
+            );
         }
     }
 }
@@ -159,14 +207,23 @@ fn a_strand_shorter_than_a_pixel_has_the_light_of_its_area() {
 /// Strands of two segments of these lengths, a strand a turn, six a row; each turned by its own hashed angle.
 fn bent(lengths: [f64; 2], turns: impl Iterator<Item = f64>) -> Vec<[f32; 3]> {
     let bend = |(number, turn): (usize, f64)| {
-        let place = |at: usize, seed: usize| at as f64 * 40.0 - 100.0 + unit((2 * number + seed) as u64);
+        let place =
+            |at: usize, seed: usize| at as f64 * 40.0 - 100.0 + unit((2 * number + seed) as u64);
         let (x, y) = (place(number % 6, 0), place(number / 6, 1));
         let first = unit(number as u64) * std::f64::consts::TAU;
         let second = first + turn;
         [
-            [(x - lengths[0] * first.cos()) as f32, (y - lengths[0] * first.sin()) as f32, 0.0],
+            [
+                (x - lengths[0] * first.cos()) as f32,
+                (y - lengths[0] * first.sin()) as f32,
+                0.0,
+            ],
             [x as f32, y as f32, 0.0],
-            [(x + lengths[1] * second.cos()) as f32, (y + lengths[1] * second.sin()) as f32, 0.1],
+            [
+                (x + lengths[1] * second.cos()) as f32,
+                (y + lengths[1] * second.sin()) as f32,
+                0.1,
+            ],
         ]
     };
     turns.enumerate().flat_map(bend).collect()
@@ -182,12 +239,26 @@ fn check_bends(device: &mut Device, name: &str, points: &[[f32; 3]], radius: f32
     let view = pixel_view(size, 10.0);
     for raster in [Raster::Walk, Raster::Ribbons] {
         let transparency = Some(a_buffer(Storage::Counted, raster));
-        let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view, transparency };
+        let frame = Frame {
+            hairs: &hairs,
+            lights: &lights,
+            ambient: Vec3::ZERO,
+            view,
+            transparency,
+        };
         let (image, _) = render(device, &frame, size);
         let expected = reference(&frame, size, None);
         // As of the A-buffer.
-        let tolerance = Tolerance { rmse: 1e-3, p99: 4e-3 };
-        assert_close(&format!("{name}, radius {radius}, {raster:?}"), &image, &expected, tolerance);
+        let tolerance = Tolerance {
+            rmse: 1e-3,
+            p99: 4e-3,
+        };
+        assert_close(
+            &format!("{name}, radius {radius}, {raster:?}"),
+            &image,
+            &expected,
+            tolerance,
+        );
     }
 }
 
@@ -195,7 +266,10 @@ fn check_bends(device: &mut Device, name: &str, points: &[[f32; 3]], radius: f32
 #[test]
 fn bends_match_the_reference() {
     let Some(mut device) = device() else { return };
-    let points = bent([13.0, 13.0], (0..36).map(|bend| f64::from(bend).to_radians() * 4.9));
+    let points = bent(
+        [13.0, 13.0],
+        (0..36).map(|bend| f64::from(bend).to_radians() * 4.9),
+    );
     for radius in [0.05, 0.5, 2.0] {
         check_bends(&mut device, "bends", &points, radius);
     }
@@ -204,7 +278,10 @@ fn bends_match_the_reference() {
 #[test]
 fn bends_between_segments_of_unlike_lengths_match_the_reference() {
     let Some(mut device) = device() else { return };
-    let points = bent([2.0, 16.0], (0..36).map(|bend| f64::from(bend).to_radians() * 3.3));
+    let points = bent(
+        [2.0, 16.0],
+        (0..36).map(|bend| f64::from(bend).to_radians() * 3.3),
+    );
     for radius in [0.05, 0.5] {
         check_bends(&mut device, "uneven bends", &points, radius);
     }

@@ -153,8 +153,8 @@ const PROJECTED_LAST: u32 = 0x40000000u;
 // The turn is so sharp that both segments end here.
 const PROJECTED_BREAK: u32 = 0x20000000u;
 // Behind the near plane; the next two say which of the point's segments cross it. Position, depth and half-width are
-// then those of the crossing, the following segment's where both cross; the last one's position is then packed in
-// `bisector`. The two distances are places along the last and along the following segment instead.
+// then those of the crossing. Where both cross they are the following segment's, except that `depth`, which is the near
+// plane's, holds the last one's half-width, and `bisector` its position. The two distances are places along the last and along the following segment instead.
 const PROJECTED_BEHIND: u32 = 0x10000000u;
 const PROJECTED_CUT_START: u32 = 0x08000000u;
 const PROJECTED_CUT_END: u32 = 0x04000000u;

@@ -139,6 +139,20 @@ fn project_second(other: vec2f, cut: vec2f) -> u32 {
     return pack2x16snorm((other + way * clamp(min(room.x, room.y), 0.0, 1.0)) / range);
 }
 
+// Half a fibre's width in pixels at a position before the near plane, with its tangent and its direction on the screen.
+fn project_half_width(position: vec3f, tangent: vec3f, radius: f32, direction: vec2f) -> f32 {
+    let clip = project_clip(position);
+    let outwards = project_unit(cross(tangent, drawing.eye.xyz - position * drawing.eye.w));
+    if all(outwards == vec3f(0.0)) || clip.w <= 0.0 { return 0.0; }
+    var c = drawing.clip_from_relative * vec4f(outwards * (radius * drawing.radius_scale), 0.0);
+    // Either silhouette will do; one of them is before the eye.
+    c = select(c, -c, clip.w + c.w <= 0.0);
+    let ndc = clip.xy / clip.w;
+    let offset = (c.xy - ndc * c.w) / (clip.w + c.w) * 0.5 * drawing.viewport * vec2f(1.0, -1.0);
+    if all(direction == vec2f(0.0)) { return length(offset); }
+    return abs(dot(offset, vec2f(direction.y, -direction.x)));
+}
+
 @compute @workgroup_size(64)
 fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = invocation.x + invocation.y * groups.x * 64u;
@@ -148,8 +162,10 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let is_last = (strand & POINT_LAST) != 0u;
     var flags = select(0u, PROJECTED_FIRST, is_first) | select(0u, PROJECTED_LAST, is_last);
     var position = project_relative(index);
-    let radius = points[index].radius;
+    var radius = points[index].radius;
+    var tangent = vec3f(0.0);
     var second = 0u;
+    var second_half_width = 0.0;
 
     // Behind the near plane the point stands for the crossings of its segments: the following one's in its own place,
     // the last one's there too, or else beside it.
@@ -161,6 +177,8 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
             let next = project_relative(index + 1u);
             if project_near_distance(project_clip(next)) >= 0.0 {
                 position = project_cut(exact, next);
+                tangent = project_unit(next - exact);
+                radius = mix(radius, points[index + 1u].radius, project_crossing(exact, next));
                 flags |= PROJECTED_CUT_START | u32(project_crossing(exact, next) * limit + 0.5);
             }
         }
@@ -168,12 +186,20 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
             let previous = project_relative(index - 1u);
             if project_near_distance(project_clip(previous)) >= 0.0 {
                 let cut = project_cut(exact, previous);
-                let along = 1.0 - project_crossing(exact, previous);
-                flags |= PROJECTED_CUT_END | (u32(along * limit + 0.5) << PROJECTED_DISTANCE_BITS);
+                let crossing = project_crossing(exact, previous);
+                let cut_radius = mix(points[index].radius, points[index - 1u].radius, crossing);
+                flags |= PROJECTED_CUT_END | (u32((1.0 - crossing) * limit + 0.5) << PROJECTED_DISTANCE_BITS);
                 if (flags & PROJECTED_CUT_START) == 0u {
                     position = cut;
+                    tangent = project_unit(exact - previous);
+                    radius = cut_radius;
                 } else {
-                    second = project_second(project_pixel(project_clip(previous)), project_pixel(project_clip(cut)));
+                    let from_pixel = project_pixel(project_clip(previous));
+                    let to_pixel = project_pixel(project_clip(cut));
+                    let way = to_pixel - from_pixel;
+                    let direction = select(vec2f(0.0), way / max(length(way), 1e-12), any(way != vec2f(0.0)));
+                    second = project_second(from_pixel, to_pixel);
+                    second_half_width = project_half_width(cut, project_unit(exact - previous), cut_radius, direction);
                 }
             }
         }
@@ -190,29 +216,22 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
 
     // The strand's tangent in relative space: the sum of its segments' unit directions.
     let next = project_relative(select(index + 1u, index, is_last));
-    let tangent = project_tangent(index, exact, true) - project_tangent(index, exact, false);
-    let to_eye = drawing.eye.xyz - position * drawing.eye.w;
-    let side = cross(tangent, to_eye);
-    let side_length = length(side);
-    let clip = project_clip(position);
-    var half_width = 0.0;
-    if side_length > 0.0 && clip.w > 0.0 {
-        let r = radius * drawing.radius_scale;
-        let c = drawing.clip_from_relative * vec4f(side / side_length, 0.0);
-        let ndc = clip.xy / clip.w;
-        let offset = r * (c.xy - ndc * c.w) / (clip.w + r * c.w) * 0.5 * drawing.viewport * vec2f(1.0, -1.0);
-        half_width = select(length(offset), abs(dot(offset, vec2f(bisector.y, -bisector.x))), dot(sum, sum) > 1e-8);
+    if (flags & PROJECTED_BEHIND) == 0u {
+        tangent = project_tangent(index, position, true) - project_tangent(index, position, false);
     }
-
+    let clip = project_clip(position);
+    let direction = select(vec2f(0.0), bisector, dot(sum, sum) > 1e-8);
+    let half_width = project_half_width(position, tangent, radius, direction);
     let here = Projected(project_pixel(clip), project_depth(position, clip), half_width);
-    projected_out[index] = here;
+    let twice = (flags & PROJECTED_CUT_START) != 0u && (flags & PROJECTED_CUT_END) != 0u;
+    projected_out[index] = Projected(here.position, select(here.depth, second_half_width, twice), half_width);
     let in_view = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u && (flags & PROJECTED_BEHIND) == 0u;
     if in_view && !is_last && project_unseen(here, next, points[index + 1u].radius) { flags |= PROJECTED_UNSEEN; }
     var word = pack2x16snorm(bisector);
     if (flags & PROJECTED_BEHIND) == 0u {
         flags |= u32(before.distance * limit + 0.5) << PROJECTED_DISTANCE_BITS;
         flags |= u32(after.distance * limit + 0.5);
-    } else if (flags & (PROJECTED_CUT_START | PROJECTED_CUT_END)) == (PROJECTED_CUT_START | PROJECTED_CUT_END) {
+    } else if twice {
         word = second;
     }
     projected_attributes_out[index] = ProjectedAttributes(word, flags);

@@ -89,16 +89,18 @@ fn segment(index: u32) -> Segment {
         s.inverse_length = 0.0;
     }
     s.normal = vec2f(s.tangent.y, -s.tangent.x);
+    let twice = PROJECTED_CUT_START | PROJECTED_CUT_END;
+    let near = select(0.0, 1.0, (drawing.flags & DRAWING_REVERSE_Z) != 0u);
     s.start_half_width = p.half_width;
-    s.end_half_width = q.half_width;
-    s.start_depth = p.depth;
-    s.end_depth = q.depth;
+    s.start_depth = select(p.depth, near, (flags & twice) == twice);
+    s.end_half_width = select(q.half_width, q.depth, (next_flags & twice) == twice);
+    s.end_depth = select(q.depth, near, (next_flags & twice) == twice);
     s.starts = (flags & (PROJECTED_FIRST | PROJECTED_BREAK | PROJECTED_CUT_START)) != 0u;
     s.ends = (next_flags & (PROJECTED_LAST | PROJECTED_BREAK | PROJECTED_CUT_END)) != 0u;
     s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts);
     s.after = select(segment_beyond(next_flags), 0.0, s.ends);
     s.footprint = footprint(s.normal);
-    s.valid = max(p.half_width, q.half_width) > 0.0;
+    s.valid = max(s.start_half_width, s.end_half_width) > 0.0;
     return s;
 }
 

@@ -24,7 +24,11 @@ impl EvenGuides {
             curve: guides.curve(),
             points: Vec::new(),
             radii: Vec::new(),
-            colours: guides.colours().iter().map(|colour| Vec3::from(*colour)).collect(),
+            colours: guides
+                .colours()
+                .iter()
+                .map(|colour| Vec3::from(*colour))
+                .collect(),
         };
         for guide in 0..guides.strand_count() {
             even.add(guides, guide);
@@ -35,8 +39,11 @@ impl EvenGuides {
     fn add(&mut self, guides: &Strands, guide: usize) {
         let range = guides.range(guide);
         if range.len() == self.points_each {
-            self.points
-                .extend(guides.points()[range.clone()].iter().map(|p| Vec3::from(*p)));
+            self.points.extend(
+                guides.points()[range.clone()]
+                    .iter()
+                    .map(|p| Vec3::from(*p)),
+            );
             self.radii.extend_from_slice(&guides.radii()[range]);
             return;
         }
@@ -66,7 +73,9 @@ impl EvenGuides {
 
     /// The weighted colour of three guides.
     pub(crate) fn colour(&self, guides: [u32; 3], weights: [f32; 3]) -> [f32; 3] {
-        let colour: Vec3 = (0..3).map(|k| weights[k] * self.colours[guides[k] as usize]).sum();
+        let colour: Vec3 = (0..3)
+            .map(|k| weights[k] * self.colours[guides[k] as usize])
+            .sum();
         colour.max(Vec3::ZERO).to_array()
     }
 }
@@ -83,5 +92,9 @@ fn locate(strands: &Strands, strand: usize, u: f32) -> (usize, usize, f32) {
         return (range.end - 1, range.end - 1, 0.0);
     }
     let (low, high) = (coordinates[after - 1], coordinates[after]);
-    (range.start + after - 1, range.start + after, (u - low) / (high - low))
+    (
+        range.start + after - 1,
+        range.start + after,
+        (u - low) / (high - low),
+    )
 }

@@ -61,7 +61,11 @@ impl Draws {
     /// Barycentrics whose last two weights are drawn below `reach` and then folded so that all three are at least 0.
     pub(crate) fn corner_barycentrics(&mut self, reach: f32) -> [f32; 3] {
         let (v1, v2) = (reach * self.uniform(), reach * self.uniform());
-        let (v1, v2) = if v1 + v2 > 1.0 { (1.0 - v1, 1.0 - v2) } else { (v1, v2) };
+        let (v1, v2) = if v1 + v2 > 1.0 {
+            (1.0 - v1, 1.0 - v2)
+        } else {
+            (v1, v2)
+        };
         [(1.0 - v1 - v2).max(0.0), v1, v2]
     }
 }

@@ -111,9 +111,17 @@ pub fn interpolate_on_mesh(guides: &Guides, settings: &InterpolationSettings) ->
         );
     }
     let strands = guides.strands();
-    let root = |guide: u32| Vec3::from(strands.points()[strands.range(guide as usize).start]).as_dvec3();
-    let area = |t: &[u32; 3]| 0.5 * (root(t[1]) - root(t[0])).cross(root(t[2]) - root(t[0])).length();
-    let expected = guides.triangles().iter().map(|t| area(t) * f64::from(settings.density));
+    let root =
+        |guide: u32| Vec3::from(strands.points()[strands.range(guide as usize).start]).as_dvec3();
+    let area = |t: &[u32; 3]| {
+        0.5 * (root(t[1]) - root(t[0]))
+            .cross(root(t[2]) - root(t[0]))
+            .length()
+    };
+    let expected = guides
+        .triangles()
+        .iter()
+        .map(|t| area(t) * f64::from(settings.density));
     check_total(expected.clone().sum(), strands, settings.density)?;
 
     let mut placements = Vec::new();
@@ -142,7 +150,10 @@ pub fn interpolate_clumps(guides: &Strands, settings: &ClumpSettings) -> Result<
     check_not_negative("tip_factor", settings.tip_factor)?;
     check_stray(&settings.stray)?;
     let each = u64::from(settings.followers) + 1;
-    let (strand_count, point_count) = (guides.strand_count() as u64 * each, guides.points().len() as u64 * each);
+    let (strand_count, point_count) = (
+        guides.strand_count() as u64 * each,
+        guides.points().len() as u64 * each,
+    );
     if strand_count > MAX_INTERPOLATED_STRANDS as u64 || point_count > MAX_POINTS as u64 {
         return invalid!(
             "followers {} make {strand_count} strands of {point_count} points: at most {MAX_INTERPOLATED_STRANDS} of \
@@ -185,7 +196,8 @@ pub(crate) fn blend(guides: &EvenGuides, placements: &[Placement]) -> Result<Str
         for i in 0..n {
             let t = i as f32 / last;
             // The third weight is what is left, so that rounding cannot break the sum.
-            let [a, b, _] = std::array::from_fn(|k| placement.root[k] * (1.0 - t) + placement.tip[k] * t);
+            let [a, b, _] =
+                std::array::from_fn(|k| placement.root[k] * (1.0 - t) + placement.tip[k] * t);
             let weights = [a, b, 1.0 - a - b];
             points.push(guides.position(placement.guides, weights, i).to_array());
             radii.push(guides.radius(placement.guides, weights, i).max(0.0));
@@ -255,13 +267,18 @@ fn transported_frames(points: &[[f32; 3]]) -> Vec<[Vec3; 2]> {
     let mut normal = Vec3::X;
     let mut frames = Vec::with_capacity(points.len());
     for i in 0..points.len() {
-        let (before, after) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
+        let (before, after) = (
+            points[i.saturating_sub(1)],
+            points[(i + 1).min(points.len() - 1)],
+        );
         // Where points coincide the last tangent holds.
         tangent = (Vec3::from(after) - Vec3::from(before))
             .try_normalize()
             .unwrap_or(tangent);
         let flat = normal - tangent * normal.dot(tangent);
-        normal = flat.try_normalize().unwrap_or_else(|| tangent.any_orthonormal_vector());
+        normal = flat
+            .try_normalize()
+            .unwrap_or_else(|| tangent.any_orthonormal_vector());
         frames.push([normal, tangent.cross(normal)]);
     }
     frames
@@ -277,7 +294,10 @@ fn follow(
     points: &mut Vec<[f32; 3]>,
 ) {
     // The square root makes places uniform over the disc.
-    let (distance, angle) = (draws.uniform().sqrt(), std::f32::consts::TAU * draws.uniform());
+    let (distance, angle) = (
+        draws.uniform().sqrt(),
+        std::f32::consts::TAU * draws.uniform(),
+    );
     let (sin, cos) = angle.sin_cos();
     let stray = stray(draws, &settings.stray);
     let first = points.len();
@@ -320,7 +340,8 @@ fn check_total(expected: f64, guides: &Strands, density: f32) -> Result<()> {
         .map(|guide| guides.range(guide).len())
         .max()
         .unwrap_or(0);
-    let fits = expected <= MAX_INTERPOLATED_STRANDS as f64 && expected * longest as f64 <= MAX_POINTS as f64;
+    let fits = expected <= MAX_INTERPOLATED_STRANDS as f64
+        && expected * longest as f64 <= MAX_POINTS as f64;
     if !fits {
         return invalid!(
             "density {density} makes {expected:.0} strands of {longest} points: at most {MAX_INTERPOLATED_STRANDS}              strands and {MAX_POINTS} points are made"

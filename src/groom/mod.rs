@@ -18,7 +18,8 @@ mod tessellate;
 pub use builtin::{BuiltinGroom, builtin, head_distance, head_mesh};
 pub use guides::Guides;
 pub use interpolate::{
-    ClumpSettings, InterpolationSettings, MAX_INTERPOLATED_STRANDS, Stray, interpolate_clumps, interpolate_on_mesh,
+    ClumpSettings, InterpolationSettings, MAX_INTERPOLATED_STRANDS, Stray, interpolate_clumps,
+    interpolate_on_mesh,
 };
 pub use mesh::Mesh;
 pub use strands::{Curve, MAX_POINTS, Strands};

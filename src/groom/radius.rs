@@ -36,7 +36,8 @@ impl Strands {
     /// The summed length of all segments, in host units.
     fn total_length(&self) -> f64 {
         let length = |pair: &[[f32; 3]]| -> f64 {
-            let squares = (0..3).map(|axis| (f64::from(pair[1][axis]) - f64::from(pair[0][axis])).powi(2));
+            let squares =
+                (0..3).map(|axis| (f64::from(pair[1][axis]) - f64::from(pair[0][axis])).powi(2));
             squares.sum::<f64>().sqrt()
         };
         (0..self.strand_count())

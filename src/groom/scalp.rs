@@ -97,20 +97,24 @@ impl Scalp {
     }
 
     fn add_root(&mut self, side: f32, along: usize, across: usize) {
-        let angle = |[first, last]: [f32; 2], i: usize, n: usize| first + (last - first) * i as f32 / (n - 1) as f32;
+        let angle = |[first, last]: [f32; 2], i: usize, n: usize| {
+            first + (last - first) * i as f32 / (n - 1) as f32
+        };
         let (sin, cos) = angle(ACROSS_ANGLES, across, ACROSS).sin_cos();
         let around = angle(ALONG_ANGLES, along, ALONG);
         let direction = vec3(side * sin, cos * around.sin(), cos * around.cos());
         let root = march_out(direction);
         self.roots.push(root);
-        self.normals.push(head::gradient(head::skull_of, root, 1e-3));
+        self.normals
+            .push(head::gradient(head::skull_of, root, 1e-3));
         self.sides.push(side);
         let other_side = if side > 0.0 && across > 0 {
             (ALONG * ACROSS) as u32
         } else {
             0
         };
-        self.keys.push((along * ACROSS + across) as u32 + other_side);
+        self.keys
+            .push((along * ACROSS + across) as u32 + other_side);
     }
 
     fn add_triangle(&mut self, triangle: [u32; 3]) {
@@ -121,7 +125,13 @@ impl Scalp {
     }
 
     /// `count` places for strands, evenly by area, thinning at the hairline; `clump` gives each guide's clump.
-    pub(crate) fn placements(&self, count: usize, clump: &[f32], strays: &Stray, seed: u32) -> Vec<Placement> {
+    pub(crate) fn placements(
+        &self,
+        count: usize,
+        clump: &[f32],
+        strays: &Stray,
+        seed: u32,
+    ) -> Vec<Placement> {
         let corner = |guide: u32| self.roots[guide as usize];
         let mut ends = Vec::with_capacity(self.triangles.len());
         let mut total = 0.0f64;
@@ -138,14 +148,18 @@ impl Scalp {
             let mut draws = Draws::new(candidate, seed);
             // A golden-ratio sequence spreads candidates more evenly over the area than chance does.
             let along = (f64::from(candidate) * 0.618_033_988_749_894_9).fract() * total;
-            let guides = self.triangles[ends.partition_point(|end| *end <= along).min(ends.len() - 1)];
+            let guides = self.triangles[ends
+                .partition_point(|end| *end <= along)
+                .min(ends.len() - 1)];
             candidate = candidate.wrapping_add(1);
             let root = draws.barycentrics();
             let position: Vec3 = (0..3).map(|k| corner(guides[k]) * root[k]).sum();
             if height_over_hairline(position) < HAIRLINE_SOFTNESS * draws.uniform() {
                 continue;
             }
-            let nearest = (0..3).max_by(|a, b| root[*a].total_cmp(&root[*b])).unwrap_or(0);
+            let nearest = (0..3)
+                .max_by(|a, b| root[*a].total_cmp(&root[*b]))
+                .unwrap_or(0);
             let reach = 1.0 - clump[guides[nearest] as usize];
             placements.push(Placement {
                 guides,

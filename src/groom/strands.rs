@@ -59,7 +59,10 @@ impl Strands {
             offsets.push(end as u32);
         }
         if end != points.len() {
-            return invalid!("the counts sum to {end} points, but {} are given", points.len());
+            return invalid!(
+                "the counts sum to {end} points, but {} are given",
+                points.len()
+            );
         }
         let mut strands = Self {
             radii: Vec::new(),
@@ -69,9 +72,16 @@ impl Strands {
             offsets,
             curve: Curve::Polyline,
         };
-        if let Some(at) = strands.points.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+        if let Some(at) = strands
+            .points
+            .iter()
+            .position(|p| !p.iter().all(|c| c.is_finite()))
+        {
             let [x, y, z] = strands.points[at];
-            return invalid!("{}: position ({x}, {y}, {z}) is not finite", strands.place(at));
+            return invalid!(
+                "{}: position ({x}, {y}, {z}) is not finite",
+                strands.place(at)
+            );
         }
         strands.coordinates = strands.arc_length_coordinates();
         let radii = vec![radius; strands.points.len()];
@@ -83,7 +93,11 @@ impl Strands {
     /// # Errors
     /// A radius that is negative or not finite.
     pub fn with_root_tip_radii(self, root: f32, tip: f32) -> Result<Self> {
-        let radii = self.coordinates.iter().map(|u| root + (tip - root) * u).collect();
+        let radii = self
+            .coordinates
+            .iter()
+            .map(|u| root + (tip - root) * u)
+            .collect();
         self.with_point_radii(radii)
     }
 
@@ -93,10 +107,18 @@ impl Strands {
     /// Another number than one a point; a radius that is negative or not finite.
     pub fn with_point_radii(mut self, radii: Vec<f32>) -> Result<Self> {
         if radii.len() != self.points.len() {
-            return invalid!("{} radii for {} points: one a point is needed", radii.len(), self.points.len());
+            return invalid!(
+                "{} radii for {} points: one a point is needed",
+                radii.len(),
+                self.points.len()
+            );
         }
         if let Some(at) = radii.iter().position(|r| !(r.is_finite() && *r >= 0.0)) {
-            return invalid!("{}: radius {} is not a finite number of at least 0", self.place(at), radii[at]);
+            return invalid!(
+                "{}: radius {} is not a finite number of at least 0",
+                self.place(at),
+                radii[at]
+            );
         }
         self.radii = radii;
         Ok(self)
@@ -108,11 +130,20 @@ impl Strands {
     /// Another number than one a strand; a component that is negative or not finite.
     pub fn with_colours(mut self, colours: Vec<[f32; 3]>) -> Result<Self> {
         if colours.len() != self.strand_count() {
-            return invalid!("{} colours for {} strands: one a strand is needed", colours.len(), self.strand_count());
+            return invalid!(
+                "{} colours for {} strands: one a strand is needed",
+                colours.len(),
+                self.strand_count()
+            );
         }
-        if let Some(at) = colours.iter().position(|c| !c.iter().all(|v| v.is_finite() && *v >= 0.0)) {
+        if let Some(at) = colours
+            .iter()
+            .position(|c| !c.iter().all(|v| v.is_finite() && *v >= 0.0))
+        {
             let [r, g, b] = colours[at];
-            return invalid!("strand {at}: colour ({r}, {g}, {b}) has a component that is negative or not finite");
+            return invalid!(
+                "strand {at}: colour ({r}, {g}, {b}) has a component that is negative or not finite"
+            );
         }
         self.colours = colours;
         Ok(self)
@@ -124,15 +155,27 @@ impl Strands {
     /// Another number than one a point; a coordinate outside 0…1, or that falls along its strand.
     pub fn with_coordinates(mut self, coordinates: Vec<f32>) -> Result<Self> {
         if coordinates.len() != self.points.len() {
-            return invalid!("{} coordinates for {} points: one a point is needed", coordinates.len(), self.points.len());
+            return invalid!(
+                "{} coordinates for {} points: one a point is needed",
+                coordinates.len(),
+                self.points.len()
+            );
         }
         if let Some(at) = coordinates.iter().position(|u| !(0.0..=1.0).contains(u)) {
-            return invalid!("{}: coordinate {} is not between 0 and 1", self.place(at), coordinates[at]);
+            return invalid!(
+                "{}: coordinate {} is not between 0 and 1",
+                self.place(at),
+                coordinates[at]
+            );
         }
         for span in self.offsets.windows(2) {
             let (first, end) = (span[0] as usize, span[1] as usize);
             if let Some(at) = (first + 1..end).find(|&at| coordinates[at] < coordinates[at - 1]) {
-                return invalid!("{}: coordinate {} falls along the strand", self.place(at), coordinates[at]);
+                return invalid!(
+                    "{}: coordinate {} falls along the strand",
+                    self.place(at),
+                    coordinates[at]
+                );
             }
         }
         self.coordinates = coordinates;
@@ -151,7 +194,11 @@ impl Strands {
     /// Another number of points, or a position that is not finite; the strands are then as they were.
     pub fn set_points(&mut self, points: &[[f32; 3]]) -> Result<()> {
         if points.len() != self.points.len() {
-            return invalid!("{} positions for {} points", points.len(), self.points.len());
+            return invalid!(
+                "{} positions for {} points",
+                points.len(),
+                self.points.len()
+            );
         }
         if let Some(at) = points.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
             let [x, y, z] = points[at];
@@ -188,7 +235,11 @@ impl Strands {
 
     /// Strand `s` has the points `offsets[s]..offsets[s + 1]`; one entry more than there are strands.
     pub fn offsets(&self) -> &[u32] {
-        if self.offsets.is_empty() { &[0] } else { &self.offsets }
+        if self.offsets.is_empty() {
+            &[0]
+        } else {
+            &self.offsets
+        }
     }
 
     /// The points of strand `s` as a range into [`Strands::points`].
@@ -226,7 +277,10 @@ impl Strands {
             let mut length = 0.0f64;
             coordinates.push(0.0);
             for pair in strand.windows(2) {
-                length += (0..3).map(|axis| (pair[1][axis] as f64 - pair[0][axis] as f64).powi(2)).sum::<f64>().sqrt();
+                length += (0..3)
+                    .map(|axis| (pair[1][axis] as f64 - pair[0][axis] as f64).powi(2))
+                    .sum::<f64>()
+                    .sqrt();
                 coordinates.push(length as f32);
             }
             let last = (strand.len() - 1).max(1) as f32;
@@ -244,6 +298,9 @@ impl Strands {
     /// Names the point `at` for an error.
     fn place(&self, at: usize) -> String {
         let strand = self.offsets.partition_point(|&first| first as usize <= at) - 1;
-        format!("strand {strand}, point {}", at - self.offsets[strand] as usize)
+        format!(
+            "strand {strand}, point {}",
+            at - self.offsets[strand] as usize
+        )
     }
 }

@@ -26,7 +26,9 @@ pub fn tessellate(strands: &Strands, pieces_per_segment: u32) -> Result<Strands>
         .saturating_mul(pieces)
         .saturating_add(strands.strand_count());
     if total > MAX_POINTS {
-        return invalid!("pieces_per_segment {pieces} makes {total} points: a groom has at most {MAX_POINTS}");
+        return invalid!(
+            "pieces_per_segment {pieces} makes {total} points: a groom has at most {MAX_POINTS}"
+        );
     }
     let mut points = Vec::with_capacity(total);
     let mut radii = Vec::with_capacity(total);
@@ -38,9 +40,14 @@ pub fn tessellate(strands: &Strands, pieces_per_segment: u32) -> Result<Strands>
         cut(own, pieces, |segment, t| {
             points.push(position(own, strands.curve(), segment, t).to_array())
         });
-        let (r, u) = (&strands.radii()[range.clone()], &strands.coordinates()[range]);
+        let (r, u) = (
+            &strands.radii()[range.clone()],
+            &strands.coordinates()[range],
+        );
         cut(own, pieces, |segment, t| radii.push(linear(r, segment, t)));
-        cut(own, pieces, |segment, t| coordinates.push(linear(u, segment, t)));
+        cut(own, pieces, |segment, t| {
+            coordinates.push(linear(u, segment, t))
+        });
         counts.push(((own.len() - 1) * pieces + 1) as u32);
     }
     Strands::new(points, &counts, 0.0)?
@@ -63,7 +70,9 @@ fn linear(values: &[f32], segment: usize, t: f32) -> f32 {
     let first = values[segment];
     match values.get(segment + 1) {
         // Rounding must not step over the next value, or a coordinate could fall.
-        Some(&second) if t > 0.0 => (first + (second - first) * t).clamp(first.min(second), first.max(second)),
+        Some(&second) if t > 0.0 => {
+            (first + (second - first) * t).clamp(first.min(second), first.max(second))
+        }
         _ => first,
     }
 }
@@ -82,9 +91,14 @@ fn position(own: &[[f32; 3]], curve: Curve, segment: usize, t: f32) -> Vec3 {
     } else {
         2.0 * p1 - p2
     };
-    let p3 = own.get(segment + 2).map_or(2.0 * p2 - p1, |p| Vec3::from(*p));
+    let p3 = own
+        .get(segment + 2)
+        .map_or(2.0 * p2 - p1, |p| Vec3::from(*p));
     let (m1, m2) = (0.5 * (p2 - p0), 0.5 * (p3 - p1));
     let (t2, t3) = (t * t, t * t * t);
     // Cubic Hermite basis.
-    p1 * (2.0 * t3 - 3.0 * t2 + 1.0) + m1 * (t3 - 2.0 * t2 + t) + p2 * (3.0 * t2 - 2.0 * t3) + m2 * (t3 - t2)
+    p1 * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + m1 * (t3 - 2.0 * t2 + t)
+        + p2 * (3.0 * t2 - 2.0 * t3)
+        + m2 * (t3 - t2)
 }

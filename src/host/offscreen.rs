@@ -77,7 +77,11 @@ impl Offscreen {
             .await
             .map_err(|error| Error::Unsupported(format!("the adapter gives no device: {error}")))?;
         device.on_uncaptured_error(std::sync::Arc::new(|error| log::error!("{error}")));
-        Ok(Self { renderer: Renderer::new(&device, &queue)?, info: adapter.get_info(), write_depth: None })
+        Ok(Self {
+            renderer: Renderer::new(&device, &queue)?,
+            info: adapter.get_info(),
+            write_depth: None,
+        })
     }
 
     /// Name and driver of the adapter.
@@ -99,31 +103,48 @@ impl Offscreen {
         let device = self.renderer.device();
         let largest = device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width > largest || height > largest {
-            return invalid!("an image of {width}×{height} pixels; sides from 1 to {largest} are possible");
+            return invalid!(
+                "an image of {width}×{height} pixels; sides from 1 to {largest} are possible"
+            );
         }
-        if !matches!(format, wgpu::TextureFormat::Rgba16Float | wgpu::TextureFormat::Rgba32Float) {
-            return invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float are possible");
+        if !matches!(
+            format,
+            wgpu::TextureFormat::Rgba16Float | wgpu::TextureFormat::Rgba32Float
+        ) {
+            return invalid!(
+                "an image of format {format:?}; Rgba16Float and Rgba32Float are possible"
+            );
         }
         use wgpu::TextureUsages as Usage;
         let texture = |format, label| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                size: wgpu::Extent3d {
+                    width,
+                    height,
+                    depth_or_array_layers: 1,
+                },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format,
-                usage: Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING | Usage::COPY_SRC | Usage::COPY_DST,
+                usage: Usage::RENDER_ATTACHMENT
+                    | Usage::TEXTURE_BINDING
+                    | Usage::COPY_SRC
+                    | Usage::COPY_DST,
                 view_formats: &[],
             })
         };
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let image = Image {
             colour: texture(format, "pelage.image.colour"),
-            depth: with_depth.then(|| texture(wgpu::TextureFormat::Depth32Float, "pelage.image.depth")),
+            depth: with_depth
+                .then(|| texture(wgpu::TextureFormat::Depth32Float, "pelage.image.depth")),
         };
         if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(Error::OutOfMemory(format!("an image of {width}×{height} pixels: {error}")));
+            return Err(Error::OutOfMemory(format!(
+                "an image of {width}×{height} pixels: {error}"
+            )));
         }
         if let Some(depth) = &image.depth {
             self.clear_depth(depth);
@@ -134,13 +155,19 @@ impl Offscreen {
     /// Sets a depth to far.
     fn clear_depth(&self, depth: &wgpu::Texture) {
         let view = depth.create_view(&Default::default());
-        let mut encoder = self.renderer.device().create_command_encoder(&Default::default());
+        let mut encoder = self
+            .renderer
+            .device()
+            .create_command_encoder(&Default::default());
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("pelage.image.clear_depth"),
             color_attachments: &[],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &view,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Store,
+                }),
                 stencil_ops: None,
             }),
             ..Default::default()
@@ -153,7 +180,10 @@ impl Offscreen {
     /// # Errors
     /// As [`Renderer::record`]; nothing has then been submitted.
     pub fn submit(&mut self, frame: &Frame, target: &Target) -> Result<()> {
-        let mut encoder = self.renderer.device().create_command_encoder(&Default::default());
+        let mut encoder = self
+            .renderer
+            .device()
+            .create_command_encoder(&Default::default());
         self.renderer.record(&mut encoder, frame, target)?;
         self.renderer.queue().submit([encoder.finish()]);
         Ok(())
@@ -198,18 +228,35 @@ impl Offscreen {
             wgpu::TextureFormat::Rgba16Float => pixels
                 .iter()
                 .flat_map(|p| p.to_array())
-                .flat_map(|v| half::f16::from_f32(v.clamp(-65504.0, 65504.0)).to_bits().to_ne_bytes())
+                .flat_map(|v| {
+                    half::f16::from_f32(v.clamp(-65504.0, 65504.0))
+                        .to_bits()
+                        .to_ne_bytes()
+                })
                 .collect(),
-            format => return invalid!("an image of format {format:?}; Rgba16Float and Rgba32Float can be written"),
+            format => {
+                return invalid!(
+                    "an image of format {format:?}; Rgba16Float and Rgba32Float can be written"
+                );
+            }
         };
         self.write_texture(colour, &bytes, pixels.len())
     }
 
     /// Copies packed rows into a texture.
-    pub(super) fn write_texture(&mut self, texture: &wgpu::Texture, bytes: &[u8], count: usize) -> Result<()> {
+    pub(super) fn write_texture(
+        &mut self,
+        texture: &wgpu::Texture,
+        bytes: &[u8],
+        count: usize,
+    ) -> Result<()> {
         let expected = texture.width() as usize * texture.height() as usize;
         if count != expected {
-            return invalid!("{count} pixels for an image of {}×{}", texture.width(), texture.height());
+            return invalid!(
+                "{count} pixels for an image of {}×{}",
+                texture.width(),
+                texture.height()
+            );
         }
         self.renderer.queue().write_texture(
             texture.as_image_copy(),

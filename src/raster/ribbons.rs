@@ -18,7 +18,10 @@ pub(super) fn record(
     draw: &Draw,
     plan: &Plan,
 ) -> Result<()> {
-    let key = PipelineKey { rasteriser: Some(Rasteriser::Ribbons), ..PipelineKey::new(emission.label) };
+    let key = PipelineKey {
+        rasteriser: Some(Rasteriser::Ribbons),
+        ..PipelineKey::new(emission.label)
+    };
     let pipeline = gpu.render(key, || RenderSpec {
         module: emission.module("raster/ribbons"),
         vertex: "ribbon_vertex",
@@ -28,11 +31,17 @@ pub(super) fn record(
             _ => &[Group::Frame, Group::Segments, Group::PixelsWritten],
         },
         topology: wgpu::PrimitiveTopology::TriangleStrip,
-        target: wgpu::ColorTargetState { format: ATTACHMENT, blend: None, write_mask: wgpu::ColorWrites::empty() },
+        target: wgpu::ColorTargetState {
+            format: ATTACHMENT,
+            blend: None,
+            write_mask: wgpu::ColorWrites::empty(),
+        },
         depth_stencil: None,
     })?;
     let Some(view) = &bound.attachment else {
-        return Err(crate::Error::Internal("ribbons without an attachment".into()));
+        return Err(crate::Error::Internal(
+            "ribbons without an attachment".into(),
+        ));
     };
     passes.encode(emission.label, |encoder| {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -41,7 +50,10 @@ pub(super) fn record(
                 view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Load,
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             depth_stencil_attachment: None,
             timestamp_writes: None,

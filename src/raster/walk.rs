@@ -14,7 +14,10 @@ pub(super) fn record(
     draw: &Draw,
     plan: &Plan,
 ) -> Result<()> {
-    let key = PipelineKey { rasteriser: Some(Rasteriser::Walk), ..PipelineKey::new(emission.label) };
+    let key = PipelineKey {
+        rasteriser: Some(Rasteriser::Walk),
+        ..PipelineKey::new(emission.label)
+    };
     let groups = [Group::Frame, Group::Segments, emission.group];
     let pipeline = gpu.compute(key, "walk", &groups, || emission.module("raster/walk"))?;
     passes.compute(emission.label, |pass| {

@@ -26,7 +26,11 @@ pub struct KajiyaKay {
 impl Default for KajiyaKay {
     /// Dark blond hair.
     fn default() -> Self {
-        Self { specular: Vec3::splat(0.09), exponent: 60.0, diffuse: Self::diffuse_of(Vec3::new(0.2, 0.35, 0.8)) }
+        Self {
+            specular: Vec3::splat(0.09),
+            exponent: 60.0,
+            diffuse: Self::diffuse_of(Vec3::new(0.2, 0.35, 0.8)),
+        }
     }
 }
 
@@ -49,7 +53,10 @@ impl KajiyaKay {
             }
         }
         if !(1.0..=MAX_EXPONENT).contains(&self.exponent) {
-            return invalid!("kajiya_kay: exponent {} is not between 1 and {MAX_EXPONENT}", self.exponent);
+            return invalid!(
+                "kajiya_kay: exponent {} is not between 1 and {MAX_EXPONENT}",
+                self.exponent
+            );
         }
         Ok(())
     }
@@ -57,7 +64,10 @@ impl KajiyaKay {
     pub(crate) fn material(&self) -> Material {
         let mut material = Material::default();
         material.values[0] = self.diffuse.extend(self.exponent).into();
-        material.values[1] = self.specular.extend(lobe_width(self.exponent as f64)).into();
+        material.values[1] = self
+            .specular
+            .extend(lobe_width(self.exponent as f64))
+            .into();
         material
     }
 }
@@ -67,6 +77,8 @@ impl KajiyaKay {
 fn lobe_width(exponent: f64) -> f32 {
     let steps = 64 + (8.0 * exponent.sqrt()) as usize;
     let step = std::f64::consts::PI / steps as f64;
-    let sum: f64 = (0..steps).map(|i| ((i as f64 + 0.5) * step).sin().powf(exponent + 1.0)).sum();
+    let sum: f64 = (0..steps)
+        .map(|i| ((i as f64 + 0.5) * step).sin().powf(exponent + 1.0))
+        .sum();
     (sum * step) as f32
 }

@@ -62,17 +62,31 @@ impl Shading {
 pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
     let (label, model) = match plan.shading {
         "kajiya_kay" => kajiya_kay::POINTS,
-        other => return Err(crate::Error::Internal(format!("no shading model has the stem {other}"))),
+        other => {
+            return Err(crate::Error::Internal(format!(
+                "no shading model has the stem {other}"
+            )));
+        }
     };
-    let key = PipelineKey { variant: u32::from(plan.shadowed), ..PipelineKey::new(label) };
+    let key = PipelineKey {
+        variant: u32::from(plan.shadowed),
+        ..PipelineKey::new(label)
+    };
     let groups = [Group::Frame, Group::Shade, Group::MapsRead];
     let pipeline = gpu.compute(key, "shade_points", &groups, || {
-        Module::new(shadow::look_up(plan.shadowed)).and(&["shading/points"]).and(&[model])
+        Module::new(shadow::look_up(plan.shadowed))
+            .and(&["shading/points"])
+            .and(&[model])
     })?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(2, bound.maps_read, &[]);
-        for ((run, drawing), groups) in plan.runs.iter().zip(&plan.bands[0].drawings).zip(bound.runs) {
+        for ((run, drawing), groups) in plan
+            .runs
+            .iter()
+            .zip(&plan.bands[0].drawings)
+            .zip(bound.runs)
+        {
             pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
             pass.set_bind_group(1, &groups.shade, &[]);
             let (x, y) = workgroups(run.run.count);

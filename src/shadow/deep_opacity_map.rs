@@ -14,12 +14,19 @@ pub(crate) const LOOK_UP: &[&str] = &["shadow/deep_opacity_map_common", "shadow/
 const FRONT: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.front",
     stage: 0,
-    files: &["shadow/deep_opacity_map_common", "shadow/deep_opacity_map_emit"],
+    files: &[
+        "shadow/deep_opacity_map_common",
+        "shadow/deep_opacity_map_emit",
+    ],
     group: Group::MapsWritten,
     touch_only: true,
 };
-const LAYERS: Emission =
-    Emission { label: "pelage.shadow.deep_opacity_map.layers", stage: 1, touch_only: false, ..FRONT };
+const LAYERS: Emission = Emission {
+    label: "pelage.shadow.deep_opacity_map.layers",
+    stage: 1,
+    touch_only: false,
+    ..FRONT
+};
 
 /// All stages.
 pub(crate) const EMISSIONS: [Emission; 2] = [FRONT, LAYERS];
@@ -42,30 +49,51 @@ pub struct DeepOpacityMap {
 
 impl Default for DeepOpacityMap {
     fn default() -> Self {
-        Self { resolution: 512, layers: 8, pcf: 3, depth: 0.5, raster: Raster::Auto }
+        Self {
+            resolution: 512,
+            layers: 8,
+            pcf: 3,
+            depth: 0.5,
+            raster: Raster::Auto,
+        }
     }
 }
 
 impl DeepOpacityMap {
     pub(crate) fn validate(&self) -> Result<()> {
         if !(16..=8192).contains(&self.resolution) {
-            return invalid!("deep_opacity_map: resolution {} is not between 16 and 8192", self.resolution);
+            return invalid!(
+                "deep_opacity_map: resolution {} is not between 16 and 8192",
+                self.resolution
+            );
         }
         if !(1..=64).contains(&self.layers) {
-            return invalid!("deep_opacity_map: layers {} is not between 1 and 64", self.layers);
+            return invalid!(
+                "deep_opacity_map: layers {} is not between 1 and 64",
+                self.layers
+            );
         }
         if !matches!(self.pcf, 1 | 3 | 5) {
             return invalid!("deep_opacity_map: pcf {} is not 1, 3 or 5", self.pcf);
         }
         if !(self.depth > 0.0 && self.depth <= 1.0) {
-            return invalid!("deep_opacity_map: depth {} is not above 0 and up to 1", self.depth);
+            return invalid!(
+                "deep_opacity_map: depth {} is not above 0 and up to 1",
+                self.depth
+            );
         }
         Ok(())
     }
 }
 
 /// Fills one map: fronts, layers, and the layers' sums.
-pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, map: &PlannedMap, plan: &Plan) -> Result<()> {
+pub(crate) fn record(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    map: &PlannedMap,
+    plan: &Plan,
+) -> Result<()> {
     let size = [map.settings.resolution; 2];
     let rows = [0, size[1]];
     let raster = raster::Draw {
@@ -80,9 +108,12 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, map: &Pl
     raster::record(gpu, passes, bound, &LAYERS, &raster, plan)?;
     let label = "pelage.shadow.deep_opacity_map.prefix";
     let groups = [Group::Frame, Group::MapsWritten];
-    let pipeline = gpu.compute(PipelineKey::new(label), "deep_opacity_map_prefix", &groups, || {
-        Module::new(&["shadow/deep_opacity_map_prefix"])
-    })?;
+    let pipeline = gpu.compute(
+        PipelineKey::new(label),
+        "deep_opacity_map_prefix",
+        &groups,
+        || Module::new(&["shadow/deep_opacity_map_prefix"]),
+    )?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, bound.frame, &[0, map.drawings[0], plan.runs[0].material]);

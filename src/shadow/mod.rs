@@ -49,7 +49,11 @@ impl Shadow {
 
 /// The files of the look-up, `shadow(position, light)`; lights without a map cost a comparison.
 pub(crate) fn look_up(shadowed: bool) -> &'static [&'static str] {
-    if shadowed { deep_opacity_map::LOOK_UP } else { none::LOOK_UP }
+    if shadowed {
+        deep_opacity_map::LOOK_UP
+    } else {
+        none::LOOK_UP
+    }
 }
 
 /// Fills one map of one light.

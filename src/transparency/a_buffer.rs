@@ -21,18 +21,38 @@ const COUNT: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
 };
-const RANGE: Emission = Emission { label: "pelage.transparency.a_buffer.overflow_range", stage: 1, ..COUNT };
-const HISTOGRAM: Emission = Emission { label: "pelage.transparency.a_buffer.overflow_histogram", stage: 2, ..COUNT };
-const SCATTER: Emission = Emission { label: "pelage.transparency.a_buffer.scatter", stage: 3, ..COUNT };
-const SCATTER_OVERFLOW: Emission =
-    Emission { label: "pelage.transparency.a_buffer.overflow_scatter", stage: 4, ..COUNT };
-const LIST: Emission = Emission { label: "pelage.transparency.a_buffer.list", stage: 5, ..COUNT };
+const RANGE: Emission = Emission {
+    label: "pelage.transparency.a_buffer.overflow_range",
+    stage: 1,
+    ..COUNT
+};
+const HISTOGRAM: Emission = Emission {
+    label: "pelage.transparency.a_buffer.overflow_histogram",
+    stage: 2,
+    ..COUNT
+};
+const SCATTER: Emission = Emission {
+    label: "pelage.transparency.a_buffer.scatter",
+    stage: 3,
+    ..COUNT
+};
+const SCATTER_OVERFLOW: Emission = Emission {
+    label: "pelage.transparency.a_buffer.overflow_scatter",
+    stage: 4,
+    ..COUNT
+};
+const LIST: Emission = Emission {
+    label: "pelage.transparency.a_buffer.list",
+    stage: 5,
+    ..COUNT
+};
 
 /// Workgroups that stride over the pixels: `OVERFLOW_STRIDE` / 64 in WGSL.
 const OVERFLOW_WORKGROUPS: u32 = 256;
 
 /// All stages.
-pub(crate) const EMISSIONS: [Emission; 6] = [COUNT, RANGE, HISTOGRAM, SCATTER, SCATTER_OVERFLOW, LIST];
+pub(crate) const EMISSIONS: [Emission; 6] =
+    [COUNT, RANGE, HISTOGRAM, SCATTER, SCATTER_OVERFLOW, LIST];
 
 /// Rounds of the search for a pixel's share; each parts the depth range by four: 4⁵ = 1,024 depths a pixel.
 const SEARCH_ROUNDS: u32 = 5;
@@ -67,7 +87,9 @@ impl ABuffer {
     pub(crate) fn validate(&self) -> Result<()> {
         match self.pool_bytes {
             Some(bytes) if bytes < FRAGMENT_BYTES.max(NODE_BYTES) => {
-                invalid!("a_buffer: pool_bytes {bytes} holds no fragment; the least is {NODE_BYTES}")
+                invalid!(
+                    "a_buffer: pool_bytes {bytes} holds no fragment; the least is {NODE_BYTES}"
+                )
             }
             _ => Ok(()),
         }
@@ -88,7 +110,11 @@ pub(crate) fn record(
     passes.encode("pelage.transparency.a_buffer.clear", |encoder| {
         encoder.clear_buffer(&bound.pixels.fill.buffer, 0, Some(u64::from(pixels) * 4));
         if storage == Storage::Lists {
-            encoder.clear_buffer(&bound.pixels.overflow.buffer, 0, Some(u64::from(pixels) * 4 * OVERFLOW_WORDS));
+            encoder.clear_buffer(
+                &bound.pixels.overflow.buffer,
+                0,
+                Some(u64::from(pixels) * 4 * OVERFLOW_WORDS),
+            );
         }
         bound.clear_counters(encoder);
     });
@@ -99,7 +125,10 @@ pub(crate) fn record(
             scan(gpu, passes, bound, band, plan, false)?;
             // From here to the scatter nothing is run, or all returns at once, where the pool suffices.
             bound.copy_arguments(passes);
-            let overflowing = Draw { on_overflow: true, ..*draw };
+            let overflowing = Draw {
+                on_overflow: true,
+                ..*draw
+            };
             search(gpu, passes, bound, band, &overflowing, plan)?;
             scan(gpu, passes, bound, band, plan, true)?;
             raster::record(gpu, passes, bound, &SCATTER_OVERFLOW, &overflowing, plan)?;
@@ -111,15 +140,62 @@ pub(crate) fn record(
 }
 
 /// Finds the depth up to which each pixel's nearest fragments fill its share of a pool that is too small.
-fn search(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, draw: &Draw, plan: &Plan) -> Result<()> {
-    pixel_pass(gpu, passes, bound, band, plan, ("pelage.transparency.a_buffer.overflow_begin", "a_buffer_overflow_begin"))?;
+fn search(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    draw: &Draw,
+    plan: &Plan,
+) -> Result<()> {
+    pixel_pass(
+        gpu,
+        passes,
+        bound,
+        band,
+        plan,
+        (
+            "pelage.transparency.a_buffer.overflow_begin",
+            "a_buffer_overflow_begin",
+        ),
+    )?;
     raster::record(gpu, passes, bound, &RANGE, draw, plan)?;
-    pixel_pass(gpu, passes, bound, band, plan, ("pelage.transparency.a_buffer.overflow_width", "a_buffer_overflow_range"))?;
+    pixel_pass(
+        gpu,
+        passes,
+        bound,
+        band,
+        plan,
+        (
+            "pelage.transparency.a_buffer.overflow_width",
+            "a_buffer_overflow_range",
+        ),
+    )?;
     for _ in 0..SEARCH_ROUNDS {
         raster::record(gpu, passes, bound, &HISTOGRAM, draw, plan)?;
-        pixel_pass(gpu, passes, bound, band, plan, ("pelage.transparency.a_buffer.overflow_select", "a_buffer_overflow_select"))?;
+        pixel_pass(
+            gpu,
+            passes,
+            bound,
+            band,
+            plan,
+            (
+                "pelage.transparency.a_buffer.overflow_select",
+                "a_buffer_overflow_select",
+            ),
+        )?;
     }
-    pixel_pass(gpu, passes, bound, band, plan, ("pelage.transparency.a_buffer.overflow_end", "a_buffer_overflow_end"))
+    pixel_pass(
+        gpu,
+        passes,
+        bound,
+        band,
+        plan,
+        (
+            "pelage.transparency.a_buffer.overflow_end",
+            "a_buffer_overflow_end",
+        ),
+    )
 }
 
 /// One of the search's passes over a band's pixels: label and entry point.
@@ -137,7 +213,11 @@ fn pixel_pass(
     })?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, bound.frame, &[0, band.drawings[0], plan.runs[0].material]);
+        pass.set_bind_group(
+            0,
+            bound.frame,
+            &[0, band.drawings[0], plan.runs[0].material],
+        );
         pass.set_bind_group(3, bound.pixels_written, &[]);
         pass.dispatch_workgroups(OVERFLOW_WORKGROUPS, 1, 1);
     });
@@ -145,19 +225,40 @@ fn pixel_pass(
 }
 
 /// Turns a band's pixel counts into places; `again` after the search has lowered them.
-fn scan(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, plan: &Plan, again: bool) -> Result<()> {
+fn scan(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    plan: &Plan,
+    again: bool,
+) -> Result<()> {
     let blocks = (plan.width * band.rows).div_ceil(SCAN_BLOCK);
-    let label = if again { "pelage.transparency.a_buffer.scan_again" } else { "pelage.transparency.a_buffer.scan" };
+    let label = if again {
+        "pelage.transparency.a_buffer.scan_again"
+    } else {
+        "pelage.transparency.a_buffer.scan"
+    };
     let groups = [Group::Frame, Group::PixelsWritten];
     let mut pipelines = Vec::with_capacity(3);
-    for (variant, entry) in ["scan_blocks", "scan_totals", "scan_add"].into_iter().enumerate() {
-        let key = PipelineKey { variant: variant as u32, ..PipelineKey::new(label) };
+    for (variant, entry) in ["scan_blocks", "scan_totals", "scan_add"]
+        .into_iter()
+        .enumerate()
+    {
+        let key = PipelineKey {
+            variant: variant as u32,
+            ..PipelineKey::new(label)
+        };
         pipelines.push(gpu.compute(key, entry, &groups, || {
             Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again))
         })?);
     }
     passes.compute(label, |pass| {
-        pass.set_bind_group(0, bound.frame, &[0, band.drawings[0], plan.runs[0].material]);
+        pass.set_bind_group(
+            0,
+            bound.frame,
+            &[0, band.drawings[0], plan.runs[0].material],
+        );
         pass.set_bind_group(3, bound.pixels_written, &[]);
         for (pipeline, groups) in pipelines.iter().zip([blocks, 1, blocks]) {
             pass.set_pipeline(pipeline);

@@ -59,7 +59,13 @@ impl Transparency {
 }
 
 /// Fragments of a band of rows into the technique's buffers.
-pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, plan: &Plan) -> Result<()> {
+pub(crate) fn record(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    plan: &Plan,
+) -> Result<()> {
     let draw = Draw {
         rasteriser: plan.rasteriser,
         splits: plan.splits,
@@ -70,7 +76,9 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &B
     };
     match &plan.transparency {
         Transparency::Opaque(_) => opaque::record(gpu, passes, bound, band, &draw, plan),
-        Transparency::ABuffer(settings) => a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage),
+        Transparency::ABuffer(settings) => {
+            a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
     }
 }
 
@@ -87,7 +95,13 @@ pub(crate) fn resolve_module(transparency: &Transparency) -> Module {
 pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
     match transparency {
         Transparency::Opaque(_) => 0,
-        Transparency::ABuffer(ABuffer { storage: Storage::Counted, .. }) => 1,
-        Transparency::ABuffer(ABuffer { storage: Storage::Lists, .. }) => 2,
+        Transparency::ABuffer(ABuffer {
+            storage: Storage::Counted,
+            ..
+        }) => 1,
+        Transparency::ABuffer(ABuffer {
+            storage: Storage::Lists,
+            ..
+        }) => 2,
     }
 }

@@ -9,11 +9,19 @@ use crate::resources::Bound;
 const NEAREST: Emission = Emission {
     label: "pelage.transparency.opaque.nearest",
     stage: 0,
-    files: &["common/pixels", "transparency/emit_common", "transparency/opaque_emit"],
+    files: &[
+        "common/pixels",
+        "transparency/emit_common",
+        "transparency/opaque_emit",
+    ],
     group: Group::PixelsWritten,
     touch_only: false,
 };
-const WINNER: Emission = Emission { label: "pelage.transparency.opaque.winner", stage: 1, ..NEAREST };
+const WINNER: Emission = Emission {
+    label: "pelage.transparency.opaque.winner",
+    stage: 1,
+    ..NEAREST
+};
 
 /// All stages.
 pub(crate) const EMISSIONS: [Emission; 2] = [NEAREST, WINNER];

@@ -12,26 +12,44 @@ pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// Renders into a new image of full precision without an opaque scene.
 pub fn render(device: &mut Device, frame: &Frame, size: [u32; 2]) -> (Image, Statistics) {
-    let image = device.create_image(size[0], size[1], FORMAT, false).unwrap();
-    let statistics = device.render(frame, &Target::cleared(&image.colour)).unwrap();
-    assert_eq!(statistics.mismatched, 0, "fragments were stored that had not been counted");
+    let image = device
+        .create_image(size[0], size[1], FORMAT, false)
+        .unwrap();
+    let statistics = device
+        .render(frame, &Target::cleared(&image.colour))
+        .unwrap();
+    assert_eq!(
+        statistics.mismatched, 0,
+        "fragments were stored that had not been counted"
+    );
     (read(device, &image.colour), statistics)
 }
 
 /// An image of the device as the reference holds it.
 pub fn read(device: &mut Device, colour: &wgpu::Texture) -> Image {
     let pixels = device.read_colour(colour).unwrap();
-    image([colour.width(), colour.height()], pixels.iter().map(|p| p.to_array().map(f64::from)).collect())
+    image(
+        [colour.width(), colour.height()],
+        pixels.iter().map(|p| p.to_array().map(f64::from)).collect(),
+    )
 }
 
 /// Pixels as an image of the reference.
 pub fn image(size: [u32; 2], pixels: Vec<[f64; 4]>) -> Image {
-    Image { width: size[0] as usize, height: size[1] as usize, pixels }
+    Image {
+        width: size[0] as usize,
+        height: size[1] as usize,
+        pixels,
+    }
 }
 
 /// An image's pixels as the device takes them.
 pub fn pixels(image: &Image) -> Vec<Vec4> {
-    image.pixels.iter().map(|p| Vec4::from_array(p.map(|v| v as f32))).collect()
+    image
+        .pixels
+        .iter()
+        .map(|p| Vec4::from_array(p.map(|v| v as f32)))
+        .collect()
 }
 
 /// What an image may be off by, over hair-covered pixels.
@@ -42,30 +60,52 @@ pub struct Tolerance {
 }
 
 /// Errors of colour and alpha; asserts that both, and what lies elsewhere, stay within the tolerance.
-pub fn assert_close(name: &str, actual: &Image, expected: &Image, tolerance: Tolerance) -> [ImageError; 2] {
-    let errors = [colour_error(actual, expected, None), alpha_error(actual, expected, None)];
-    eprintln!("{name}: colour {:?}\n{name}: alpha {:?}", errors[0], errors[1]);
+pub fn assert_close(
+    name: &str,
+    actual: &Image,
+    expected: &Image,
+    tolerance: Tolerance,
+) -> [ImageError; 2] {
+    let errors = [
+        colour_error(actual, expected, None),
+        alpha_error(actual, expected, None),
+    ];
+    eprintln!(
+        "{name}: colour {:?}\n{name}: alpha {:?}",
+        errors[0], errors[1]
+    );
     if std::env::var_os("PELAGE_TEST_OUTLIERS").is_some() {
         for (i, (a, e)) in actual.pixels.iter().zip(&expected.pixels).enumerate() {
             let off = (0..4).map(|c| (a[c] - e[c]).abs()).fold(0.0, f64::max);
             if off > tolerance.p99 {
-                eprintln!("{name}: pixel ({}, {}): {a:.5?}, expected {e:.5?}", i % actual.width, i / actual.width);
+                eprintln!(
+                    "{name}: pixel ({}, {}): {a:.5?}, expected {e:.5?}",
+                    i % actual.width,
+                    i / actual.width
+                );
             }
         }
     }
     let fine = |error: &ImageError| {
-        error.rmse <= tolerance.rmse && error.p99 <= tolerance.p99 && error.max_elsewhere <= tolerance.p99
+        error.rmse <= tolerance.rmse
+            && error.p99 <= tolerance.p99
+            && error.max_elsewhere <= tolerance.p99
     };
     if !errors.iter().all(fine) {
         write_failure(name, actual, expected);
-        panic!("{name}: colour {:?}, alpha {:?}, allowed {tolerance:?}", errors[0], errors[1]);
+        panic!(
+            "{name}: colour {:?}, alpha {:?}, allowed {tolerance:?}",
+            errors[0], errors[1]
+        );
     }
     errors
 }
 
 /// Asserts that two images are the same, bit for bit.
 pub fn assert_identical(name: &str, actual: &Image, expected: &Image) {
-    let differing = (0..expected.pixels.len()).filter(|&i| actual.pixels[i] != expected.pixels[i]).count();
+    let differing = (0..expected.pixels.len())
+        .filter(|&i| actual.pixels[i] != expected.pixels[i])
+        .count();
     if differing > 0 {
         write_failure(name, actual, expected);
         panic!("{name}: {differing} pixels differ");
@@ -79,7 +119,11 @@ pub fn write_failure(name: &str, actual: &Image, expected: &Image) {
     let file = name.replace(|c: char| !c.is_alphanumeric() && c != '-', "_");
     let shown = |image: &Image| -> Vec<u8> {
         let grey = image.over([0.18; 3]);
-        grey.pixels.iter().flat_map(|p| [p[0], p[1], p[2]]).map(|v| (v.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0) as u8).collect()
+        grey.pixels
+            .iter()
+            .flat_map(|p| [p[0], p[1], p[2]])
+            .map(|v| (v.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0) as u8)
+            .collect()
     };
     let difference: Vec<u8> = actual
         .pixels
@@ -90,12 +134,23 @@ pub fn write_failure(name: &str, actual: &Image, expected: &Image) {
             [0, 1, 2].map(|c| ((a[c] - e[c]).abs().max(alpha) * 16.0 * 255.0).min(255.0) as u8)
         })
         .collect();
-    for (what, bytes) in [("actual", shown(actual)), ("expected", shown(expected)), ("difference", difference)] {
+    for (what, bytes) in [
+        ("actual", shown(actual)),
+        ("expected", shown(expected)),
+        ("difference", difference),
+    ] {
         let path = format!("{folder}/{file}-{what}.png");
-        let mut encoder =
-            png::Encoder::new(std::fs::File::create(&path).unwrap(), actual.width as u32, actual.height as u32);
+        let mut encoder = png::Encoder::new(
+            std::fs::File::create(&path).unwrap(),
+            actual.width as u32,
+            actual.height as u32,
+        );
         encoder.set_color(png::ColorType::Rgb);
-        encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
+        encoder
+            .write_header()
+            .unwrap()
+            .write_image_data(&bytes)
+            .unwrap();
         eprintln!("written: {path}");
     }
 }

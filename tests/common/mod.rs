@@ -27,7 +27,8 @@ impl log::Log for Recorder {
         }
         let message = format!("{} {}: {}", record.level(), record.target(), record.args());
         eprintln!("{message}");
-        let validation = record.target().starts_with("wgpu_hal") && message.to_lowercase().contains("validation");
+        let validation = record.target().starts_with("wgpu_hal")
+            && message.to_lowercase().contains("validation");
         if record.level() == log::Level::Error || validation {
             lock(&MESSAGES).push(message);
         }
@@ -37,7 +38,9 @@ impl log::Log for Recorder {
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    mutex
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
 /// The process's device, taken for one test. When it is given back no message may have come.
@@ -60,7 +63,11 @@ impl Drop for Device {
     fn drop(&mut self) {
         let messages = std::mem::take(&mut *lock(&MESSAGES));
         if !std::thread::panicking() {
-            assert!(messages.is_empty(), "the device complained:\n{}", messages.join("\n"));
+            assert!(
+                messages.is_empty(),
+                "the device complained:\n{}",
+                messages.join("\n")
+            );
         }
     }
 }
@@ -68,7 +75,10 @@ impl Drop for Device {
 impl Device {
     /// Makes a renderer that remembers no frame. Hair made before is the old one's, and not to be drawn any more.
     pub fn forget(&mut self) {
-        let (device, queue) = (self.renderer.device().clone(), self.renderer.queue().clone());
+        let (device, queue) = (
+            self.renderer.device().clone(),
+            self.renderer.queue().clone(),
+        );
         self.renderer = Renderer::new(&device, &queue).unwrap();
     }
 }
@@ -80,19 +90,30 @@ pub fn device() -> Option<Device> {
         log::set_logger(&Recorder).unwrap();
         log::set_max_level(log::LevelFilter::Warn);
     });
-    let opened = DEVICE.get_or_init(|| match Offscreen::new(&OffscreenOptions { validation: true, ..Default::default() }) {
-        Ok(offscreen) => {
-            eprintln!("device: {}", offscreen.adapter_info().name);
-            Some(Mutex::new(offscreen))
-        }
-        Err(error) => {
-            eprintln!("{error}");
-            None
+    let opened = DEVICE.get_or_init(|| {
+        match Offscreen::new(&OffscreenOptions {
+            validation: true,
+            ..Default::default()
+        }) {
+            Ok(offscreen) => {
+                eprintln!("device: {}", offscreen.adapter_info().name);
+                Some(Mutex::new(offscreen))
+            }
+            Err(error) => {
+                eprintln!("{error}");
+                None
+            }
         }
     });
     let Some(offscreen) = opened else {
-        println!("skipped: {}: no Vulkan adapter", std::thread::current().name().unwrap_or("a test"));
-        assert!(std::env::var_os("CI").is_none(), "no test may be skipped in CI");
+        println!(
+            "skipped: {}: no Vulkan adapter",
+            std::thread::current().name().unwrap_or("a test")
+        );
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "no test may be skipped in CI"
+        );
         return None;
     };
     let mut taken = Device(lock(offscreen));

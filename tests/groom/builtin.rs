@@ -10,7 +10,9 @@ fn as_many_strands_are_made_as_asked_for() {
         for count in [0, 1, 7, 1000] {
             assert_eq!(builtin(groom, count).unwrap().strand_count(), count);
         }
-        let error = builtin(groom, MAX_INTERPOLATED_STRANDS + 1).unwrap_err().to_string();
+        let error = builtin(groom, MAX_INTERPOLATED_STRANDS + 1)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("strand_count 16777217"), "{error}");
     }
 }
@@ -30,7 +32,10 @@ fn no_point_of_a_hairstyle_lies_in_the_head() {
                 let distance = head_distance(*p);
                 // Roots lie on triangles with edges of 8 mm, whose middles are 0.3 mm deep in a head of 80 mm.
                 let deepest = if i == 0 { -0.0005 } else { 0.0 };
-                assert!(distance >= deepest, "{groom:?}, strand {at}, point {i}: {distance}");
+                assert!(
+                    distance >= deepest,
+                    "{groom:?}, strand {at}, point {i}: {distance}"
+                );
             }
         }
     }
@@ -42,11 +47,19 @@ fn roots_are_on_the_scalp_and_leave_the_face_free() {
         for points in strands_of(&builtin(groom, 4000).unwrap()) {
             let [_, y, z] = points[0];
             assert!(head_distance(points[0]) < 0.001);
-            assert!(y > 0.06 || z < 0.07, "a root on the face at {:?}", points[0]);
+            assert!(
+                y > 0.06 || z < 0.07,
+                "a root on the face at {:?}",
+                points[0]
+            );
             let free = points
                 .iter()
                 .all(|p| !(p[0].abs() < 0.04 && p[2] > 0.05 && (-0.12..0.05).contains(&p[1])));
-            assert!(free, "{groom:?}: a strand before the face from {:?}", points[0]);
+            assert!(
+                free,
+                "{groom:?}: a strand before the face from {:?}",
+                points[0]
+            );
         }
     }
 }
@@ -64,9 +77,9 @@ fn the_scalp_has_no_bald_patches() {
     let strands = builtin(BuiltinGroom::Straight, 4000).unwrap();
     let roots: Vec<[f32; 3]> = strands_of(&strands).map(|points| points[0]).collect();
     for p in head_mesh().positions.iter().filter(|p| p[1] > 0.09) {
-        let near = roots
-            .iter()
-            .any(|r| (0..3).map(|axis| (r[axis] - p[axis]).powi(2)).sum::<f32>() < 0.012f32.powi(2));
+        let near = roots.iter().any(|r| {
+            (0..3).map(|axis| (r[axis] - p[axis]).powi(2)).sum::<f32>() < 0.012f32.powi(2)
+        });
         assert!(near, "no root within 12 mm of {p:?}");
     }
 }
@@ -83,7 +96,9 @@ fn the_head_is_one_closed_surface_that_faces_outwards() {
     let mut volume = 0.0;
     for triangle in mesh.indices.chunks_exact(3) {
         for k in 0..3 {
-            *edges.entry((triangle[k], triangle[(k + 1) % 3])).or_insert(0) += 1;
+            *edges
+                .entry((triangle[k], triangle[(k + 1) % 3]))
+                .or_insert(0) += 1;
         }
         let [a, b, c] = [0, 1, 2].map(|k| mesh.positions[triangle[k] as usize].map(f64::from));
         let cross = [

@@ -15,7 +15,11 @@ const FILES: [(&str, usize, usize); 9] = [
     ("bear/bear.tfx", 48_113, 192_452),
     ("testhair1/TestHair1.tfx", 10_027, 40_108),
     ("ratboy/Ratboy_mohawk.tfx", 2_228, 71_296),
-    ("sintel/SintelHairOriginal-sintel_hair.16points.tfx", 11_400, 182_400),
+    (
+        "sintel/SintelHairOriginal-sintel_hair.16points.tfx",
+        11_400,
+        182_400,
+    ),
     ("furball/furBall_A_every5th.hair", 6_074, 97_184),
 ];
 
@@ -32,7 +36,10 @@ fn every_shared_groom_is_read_whole() {
             "{path}"
         );
         let (low, high) = strands.bounds().unwrap();
-        let size = (0..3).map(|axis| (high[axis] - low[axis]).powi(2)).sum::<f32>().sqrt();
+        let size = (0..3)
+            .map(|axis| (high[axis] - low[axis]).powi(2))
+            .sum::<f32>()
+            .sqrt();
         let widest = strands.radii().iter().copied().fold(0.0, f32::max);
         assert!(
             widest > 0.0 && widest <= 0.01 * size,
@@ -43,13 +50,19 @@ fn every_shared_groom_is_read_whole() {
 
 #[test]
 fn test_hairs_are_eleven_units_long() {
-    let Some(bytes) = shared_data("test_hairs_are_eleven_units_long", "testhair1/TestHair1.tfx") else {
+    let Some(bytes) = shared_data(
+        "test_hairs_are_eleven_units_long",
+        "testhair1/TestHair1.tfx",
+    ) else {
         return;
     };
     let strands = read_tfx(&bytes).unwrap();
     for points in super::strands_of(&strands) {
         let [root, tip] = [points[0], points[3]];
-        let length = (0..3).map(|axis| (tip[axis] - root[axis]).powi(2)).sum::<f32>().sqrt();
+        let length = (0..3)
+            .map(|axis| (tip[axis] - root[axis]).powi(2))
+            .sum::<f32>()
+            .sqrt();
         // The data's own description; its coordinates are rounded.
         assert!((length - 11.0).abs() < 0.1, "{length}");
     }
@@ -57,7 +70,12 @@ fn test_hairs_are_eleven_units_long() {
 
 #[test]
 fn a_tfx_file_of_each_version_holds_its_positions() {
-    let positions = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 2.0], [1.0, 1.0, 3.0]];
+    let positions = [
+        [0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [1.0, 0.0, 2.0],
+        [1.0, 1.0, 3.0],
+    ];
     for bytes in [tfx(3.0, 2, 2, &positions), tfx(4.0, 2, 2, &positions)] {
         let strands = read(&bytes).unwrap();
         assert_eq!(strands.points(), positions);
@@ -72,7 +90,9 @@ fn thickness_is_a_diameter_and_colours_are_averaged() {
         0b10111,
         [1, 2],
         &[1],
-        &[0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5, 0.25, 1.0, 0.0, 0.5, 0.0, 0.5, 1.0],
+        &[
+            0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.5, 0.25, 1.0, 0.0, 0.5, 0.0, 0.5, 1.0,
+        ],
     );
     let strands = read_hair(&bytes).unwrap();
     assert_eq!(strands.radii(), [0.25, 0.125]);
@@ -98,8 +118,19 @@ fn errors_name_the_value_and_the_place() {
     assert!(said(b"HAIR").contains("header"));
     assert!(said(&hair(0b10, [u32::MAX, u32::MAX], &[], &[0.0; 3])).contains("4294967295 points"));
     assert!(said(&hair(0b01, [1, 2], &[1], &[])).contains("no points"));
-    assert!(said(&hair(0b10, [3, 4], &[], &[0.0; 12])).contains("3 strands with their segments make 6 points"));
-    assert!(said(&hair(0b10, [1, 2], &[], &[0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0])).contains("strand 0, point 1"));
+    assert!(
+        said(&hair(0b10, [3, 4], &[], &[0.0; 12]))
+            .contains("3 strands with their segments make 6 points")
+    );
+    assert!(
+        said(&hair(
+            0b10,
+            [1, 2],
+            &[],
+            &[0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0]
+        ))
+        .contains("strand 0, point 1")
+    );
     assert!(said(&tfx(3.0, 1, 0, &[])).contains("0 vertices"));
     assert!(said(&tfx(4.0, 70_000, 70_000, &[])).contains("positions"));
     assert!(said(&tfx(4.0, 1, 1, &[[0.0, f32::INFINITY, 0.0]])).contains("strand 0, point 0"));
@@ -116,14 +147,25 @@ fn a_strand_of_too_many_segments_is_not_written() {
     let points = vec![[0.0; 3]; 65_537];
     assert!(write_hair(&Strands::new(points.clone(), &[65_536, 1], 1.0).unwrap()).is_ok());
     let error = write_hair(&Strands::new(points, &[65_537], 1.0).unwrap()).unwrap_err();
-    assert!(error.to_string().contains("strand 0: 65536 segments"), "{error}");
+    assert!(
+        error.to_string().contains("strand 0: 65536 segments"),
+        "{error}"
+    );
 }
 
 /// A `.hair` file with one default segment, thickness 1 and colour (0.1, 0.2, 0.3).
 fn hair(flags: u32, [strands, points]: [u32; 2], segments: &[u16], floats: &[f32]) -> Vec<u8> {
     let mut bytes = b"HAIR".to_vec();
-    bytes.extend([strands, points, flags, 1].iter().flat_map(|n| n.to_le_bytes()));
-    bytes.extend([1.0f32, 0.0, 0.1, 0.2, 0.3].iter().flat_map(|v| v.to_le_bytes()));
+    bytes.extend(
+        [strands, points, flags, 1]
+            .iter()
+            .flat_map(|n| n.to_le_bytes()),
+    );
+    bytes.extend(
+        [1.0f32, 0.0, 0.1, 0.2, 0.3]
+            .iter()
+            .flat_map(|v| v.to_le_bytes()),
+    );
     bytes.resize(128, 0);
     bytes.extend(segments.iter().flat_map(|n| n.to_le_bytes()));
     bytes.extend(floats.iter().flat_map(|v| v.to_le_bytes()));
@@ -134,7 +176,11 @@ fn hair(flags: u32, [strands, points]: [u32; 2], segments: &[u16], floats: &[f32
 fn tfx(version: f32, strands: u32, each: u32, positions: &[[f32; 3]]) -> Vec<u8> {
     let mut bytes = version.to_le_bytes().to_vec();
     bytes.extend([strands, each].iter().flat_map(|n| n.to_le_bytes()));
-    let (offset_at, first) = if version < 4.0 { (144, 296u32) } else { (12, 160) };
+    let (offset_at, first) = if version < 4.0 {
+        (144, 296u32)
+    } else {
+        (12, 160)
+    };
     bytes.resize(first as usize, 0);
     bytes[offset_at..offset_at + 4].copy_from_slice(&first.to_le_bytes());
     for position in positions {

@@ -2,8 +2,8 @@
 
 use super::{strands_of, three_guides};
 use pelage::groom::{
-    ClumpSettings, Curve, Guides, InterpolationSettings, MAX_INTERPOLATED_STRANDS, Strands, Stray, interpolate_clumps,
-    interpolate_on_mesh,
+    ClumpSettings, Curve, Guides, InterpolationSettings, MAX_INTERPOLATED_STRANDS, Strands, Stray,
+    interpolate_clumps, interpolate_on_mesh,
 };
 use proptest::prelude::*;
 
@@ -12,14 +12,23 @@ fn one_triangle() -> Guides {
 }
 
 fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f32>().sqrt()
+    (0..3)
+        .map(|axis| (a[axis] - b[axis]).powi(2))
+        .sum::<f32>()
+        .sqrt()
 }
 
 /// The barycentrics of `p` in a triangle, by its x and z.
 fn barycentrics(p: [f32; 3], [a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
-    let cross = |p: [f32; 3], q: [f32; 3], r: [f32; 3]| (q[0] - p[0]) * (r[2] - p[2]) - (q[2] - p[2]) * (r[0] - p[0]);
+    let cross = |p: [f32; 3], q: [f32; 3], r: [f32; 3]| {
+        (q[0] - p[0]) * (r[2] - p[2]) - (q[2] - p[2]) * (r[0] - p[0])
+    };
     let area = cross(a, b, c);
-    [cross(p, b, c) / area, cross(a, p, c) / area, cross(a, b, p) / area]
+    [
+        cross(p, b, c) / area,
+        cross(a, p, c) / area,
+        cross(a, b, p) / area,
+    ]
 }
 
 proptest! {
@@ -95,8 +104,13 @@ fn fractions_of_strands_add_up_over_many_triangles() {
         density: 0.6,
         ..Default::default()
     };
-    let count = interpolate_on_mesh(&guides, &settings).unwrap().strand_count() as f64;
-    let (expected, deviation) = (0.3 * TRIANGLES as f64, (0.3 * 0.7 * TRIANGLES as f64).sqrt());
+    let count = interpolate_on_mesh(&guides, &settings)
+        .unwrap()
+        .strand_count() as f64;
+    let (expected, deviation) = (
+        0.3 * TRIANGLES as f64,
+        (0.3 * 0.7 * TRIANGLES as f64).sqrt(),
+    );
     // Four standard deviations of independent chances.
     assert!(
         (count - expected).abs() < 4.0 * deviation,
@@ -112,7 +126,12 @@ fn roots_are_uniform_over_the_triangle() {
     };
     let strands = interpolate_on_mesh(&one_triangle(), &settings).unwrap();
     let count = strands.strand_count() as f64;
-    let mean = |axis: usize| strands_of(&strands).map(|s| f64::from(s[0][axis])).sum::<f64>() / count;
+    let mean = |axis: usize| {
+        strands_of(&strands)
+            .map(|s| f64::from(s[0][axis]))
+            .sum::<f64>()
+            / count
+    };
     // The centroid is (1/3, 1/3); 20,000 roots have a mean within 4 × 0.236/√20000.
     for axis in [0, 2] {
         assert!((mean(axis) - 1.0 / 3.0).abs() < 0.0067, "{}", mean(axis));
@@ -197,7 +216,13 @@ fn bad_settings_are_named() {
             },
             "density 1000000000000 makes",
         ),
-        (InterpolationSettings { clump: 1.5, ..settings }, "clump 1.5"),
+        (
+            InterpolationSettings {
+                clump: 1.5,
+                ..settings
+            },
+            "clump 1.5",
+        ),
         (
             InterpolationSettings {
                 stray: stray(-0.1, 0.0),
@@ -214,7 +239,9 @@ fn bad_settings_are_named() {
         ),
     ];
     for (settings, named) in bad {
-        let error = interpolate_on_mesh(&one_triangle(), &settings).unwrap_err().to_string();
+        let error = interpolate_on_mesh(&one_triangle(), &settings)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains(named), "{error}");
     }
     let clumps = ClumpSettings::default();
@@ -242,7 +269,9 @@ fn bad_settings_are_named() {
         ),
     ];
     for (settings, named) in bad {
-        let error = interpolate_clumps(&three_guides(), &settings).unwrap_err().to_string();
+        let error = interpolate_clumps(&three_guides(), &settings)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains(named), "{error}");
     }
     let error = interpolate_on_mesh(&Guides::new(three_guides()), &settings)

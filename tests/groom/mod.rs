@@ -23,7 +23,13 @@ fn shared_data(test: &str, path: &str) -> Option<Vec<u8>> {
 
 /// Three guides of three points over a right triangle of area ½ in y = 0, leaning apart.
 fn three_guides() -> Strands {
-    let guide = |x: f32, z: f32| [[x, 0.0, z], [1.2 * x, 1.0, 1.2 * z], [1.5 * x, 2.0, 1.5 * z + 0.1]];
+    let guide = |x: f32, z: f32| {
+        [
+            [x, 0.0, z],
+            [1.2 * x, 1.0, 1.2 * z],
+            [1.5 * x, 2.0, 1.5 * z + 0.1],
+        ]
+    };
     let points = [guide(0.0, 0.0), guide(1.0, 0.0), guide(0.0, 1.0)].concat();
     Strands::new(points, &[3, 3, 3], 0.01).unwrap()
 }

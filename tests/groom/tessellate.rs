@@ -14,7 +14,9 @@ fn a_polyline_in_one_piece_is_itself() {
 fn a_spline_through_points_on_a_line_stays_on_it() {
     let points = (0..5).map(|i| [i as f32, 2.0 * i as f32, 0.0]).collect();
     let cut = tessellate(
-        &Strands::new(points, &[5], 1.0).unwrap().with_curve(Curve::CatmullRom),
+        &Strands::new(points, &[5], 1.0)
+            .unwrap()
+            .with_curve(Curve::CatmullRom),
         4,
     )
     .unwrap();
@@ -28,9 +30,15 @@ fn a_spline_through_points_on_a_line_stays_on_it() {
 fn no_pieces_and_too_many_are_refused() {
     for pieces in [0, u32::MAX] {
         let error = tessellate(&three_guides(), pieces).unwrap_err().to_string();
-        assert!(error.contains(&format!("pieces_per_segment {pieces}")), "{error}");
+        assert!(
+            error.contains(&format!("pieces_per_segment {pieces}")),
+            "{error}"
+        );
     }
-    assert_eq!(tessellate(&Strands::default(), 3).unwrap().strand_count(), 0);
+    assert_eq!(
+        tessellate(&Strands::default(), 3).unwrap().strand_count(),
+        0
+    );
 }
 
 #[test]
@@ -71,5 +79,8 @@ proptest! {
 #[test]
 fn pieces_hold_the_strands_apart() {
     let cut = tessellate(&three_guides().with_curve(Curve::CatmullRom), 3).unwrap();
-    assert_eq!(strands_of(&cut).map(<[_]>::len).collect::<Vec<_>>(), [7, 7, 7]);
+    assert_eq!(
+        strands_of(&cut).map(<[_]>::len).collect::<Vec<_>>(),
+        [7, 7, 7]
+    );
 }

@@ -11,7 +11,10 @@ use crate::common::{Device, device};
 type Case = [DVec3; 3];
 
 fn bound(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
-    wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }
+    wgpu::BindGroupEntry {
+        binding,
+        resource: buffer.as_entire_binding(),
+    }
 }
 
 /// Runs `scatter` (xyz of the first) and `scatter_uniform` (the second) for every case.
@@ -29,8 +32,13 @@ fn evaluate(device: &mut Device, model: &KajiyaKay, cases: &[Case]) -> Vec<[Vec4
             values[2u * i] = vec4f(scatter(fibre, cases[3u * i + 1u].xyz, wo, lit), 0.0);
             values[2u * i + 1u] = vec4f(scatter_uniform(fibre, wo), 0.0);
         }";
-    let source = testing::module_source(&["shadow/none", "shading/points", "shading/kajiya_kay"]) + entry;
-    let input: Vec<[f32; 4]> = cases.iter().flatten().map(|v| v.as_vec3().extend(0.0).into()).collect();
+    let source =
+        testing::module_source(&["shadow/none", "shading/points", "shading/kajiya_kay"]) + entry;
+    let input: Vec<[f32; 4]> = cases
+        .iter()
+        .flatten()
+        .map(|v| v.as_vec3().extend(0.0).into())
+        .collect();
     let gpu = device.renderer.device().clone();
     let queue = device.renderer.queue().clone();
     let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -46,7 +54,12 @@ fn evaluate(device: &mut Device, model: &KajiyaKay, cases: &[Case]) -> Vec<[Vec4
         cache: None,
     });
     let buffer = |size: usize, usage| {
-        gpu.create_buffer(&wgpu::BufferDescriptor { label: None, size: size as u64, usage, mapped_at_creation: false })
+        gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: size as u64,
+            usage,
+            mapped_at_creation: false,
+        })
     };
     use wgpu::BufferUsages as Usage;
     let material = testing::material_bytes(&Shading::KajiyaKay(*model));
@@ -58,9 +71,16 @@ fn evaluate(device: &mut Device, model: &KajiyaKay, cases: &[Case]) -> Vec<[Vec4
     let returned = buffer(cases.len() * 32, Usage::MAP_READ | Usage::COPY_DST);
     let group = |index, entries: &[wgpu::BindGroupEntry]| {
         let layout = pipeline.get_bind_group_layout(index);
-        gpu.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries })
+        gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &layout,
+            entries,
+        })
     };
-    let groups = [group(0, &[bound(2, &uniform)]), group(1, &[bound(4, &inputs), bound(5, &outputs)])];
+    let groups = [
+        group(0, &[bound(2, &uniform)]),
+        group(1, &[bound(4, &inputs), bound(5, &outputs)]),
+    ];
     let mut encoder = gpu.create_command_encoder(&Default::default());
     {
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -74,7 +94,10 @@ fn evaluate(device: &mut Device, model: &KajiyaKay, cases: &[Case]) -> Vec<[Vec4
     returned.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
     gpu.poll(wgpu::PollType::wait_indefinitely()).unwrap();
     let values: Vec<f32> = bytemuck::pod_collect_to_vec(&returned.get_mapped_range(..).unwrap());
-    values.chunks_exact(8).map(|v| [Vec4::from_slice(&v[..4]), Vec4::from_slice(&v[4..])]).collect()
+    values
+        .chunks_exact(8)
+        .map(|v| [Vec4::from_slice(&v[..4]), Vec4::from_slice(&v[4..])])
+        .collect()
 }
 
 /// The exponents that the model takes, from end to end.
@@ -82,12 +105,20 @@ const EXPONENTS: [f32; 7] = [1.0, 2.0, 10.0, 60.0, 1e3, 1e4, 1e5];
 
 /// Off the fibre by an angle, around it by another; as f32, as the GPU is given it.
 fn direction(inclination: f64, azimuth: f64) -> DVec3 {
-    let d = DVec3::new(inclination.sin() * azimuth.cos(), inclination.cos(), inclination.sin() * azimuth.sin());
+    let d = DVec3::new(
+        inclination.sin() * azimuth.cos(),
+        inclination.cos(),
+        inclination.sin() * azimuth.sin(),
+    );
     d.as_vec3().as_dvec3()
 }
 
 fn model(exponent: f32) -> KajiyaKay {
-    KajiyaKay { diffuse: Vec3::new(0.3, 0.2, 0.1), specular: Vec3::new(0.05, 0.1, 0.4), exponent }
+    KajiyaKay {
+        diffuse: Vec3::new(0.3, 0.2, 0.1),
+        specular: Vec3::new(0.05, 0.1, 0.4),
+        exponent,
+    }
 }
 
 /// An f32 direction is exact to 6e-8, an f32 cosine to 1.2e-7. sin = √(1 - cos²) near the tangent turns that into
@@ -113,8 +144,15 @@ fn scatter_is_the_model_at_every_angle_and_exponent() {
     let mut cases = Vec::new();
     for &l in &inclinations {
         // Around the mirror cone too, where the lobe is.
-        for e in inclinations.iter().copied().chain([pi - l + 1e-3, pi - l - 1e-2]) {
-            cases.extend([0.0, 1.0, 3.0].map(|azimuth| [DVec3::Y, direction(l, 0.3), direction(e, 0.3 + azimuth)]));
+        for e in inclinations
+            .iter()
+            .copied()
+            .chain([pi - l + 1e-3, pi - l - 1e-2])
+        {
+            cases.extend(
+                [0.0, 1.0, 3.0]
+                    .map(|azimuth| [DVec3::Y, direction(l, 0.3), direction(e, 0.3 + azimuth)]),
+            );
         }
     }
     let colour = [1.0, 0.5, 0.25];
@@ -132,8 +170,16 @@ fn scatter_is_the_model_at_every_angle_and_exponent() {
                 let expected = kajiya_kay::scatter(tangent, l, e, &own);
                 let off = (f64::from(value[channel]) - expected).abs();
                 worst = worst.max(off);
-                let allowed = tolerance(exponent, tangent.cross(l).length(), tangent.cross(e).length());
-                assert!(off <= allowed, "m {exponent}, {case:?}: {} is not {expected} to {allowed:e}", value[channel]);
+                let allowed = tolerance(
+                    exponent,
+                    tangent.cross(l).length(),
+                    tangent.cross(e).length(),
+                );
+                assert!(
+                    off <= allowed,
+                    "m {exponent}, {case:?}: {} is not {expected} to {allowed:e}",
+                    value[channel]
+                );
             }
         }
         eprintln!("kajiya_kay m {exponent}: worst {worst:e}");
@@ -151,7 +197,10 @@ fn the_ambient_term_is_the_integral_of_the_model_over_the_sphere() {
     let Some(mut device) = device() else { return };
     let pi = std::f64::consts::PI;
     let eyes: Vec<f64> = [0.0, 0.02, 0.1, 0.3, 0.7, 1.0, 1.3, 0.5 * pi].to_vec();
-    let cases: Vec<Case> = eyes.iter().map(|&e| [DVec3::Y, DVec3::X, direction(e, 0.4)]).collect();
+    let cases: Vec<Case> = eyes
+        .iter()
+        .map(|&e| [DVec3::Y, DVec3::X, direction(e, 0.4)])
+        .collect();
     for exponent in EXPONENTS {
         let model = model(exponent);
         let values = evaluate(&mut device, &model, &cases);
@@ -180,7 +229,12 @@ fn the_ambient_term_is_the_integral_of_the_model_over_the_sphere() {
             let off = f64::from(value[channel]) - expected;
             let allowed = uniform_tolerance(expected, own.specular, exponent);
             worst = worst.max(off.abs() / expected);
-            assert!(off.abs() <= allowed, "m {exponent}, eye {:?}: {} is not {expected}", case[2], value[channel]);
+            assert!(
+                off.abs() <= allowed,
+                "m {exponent}, eye {:?}: {} is not {expected}",
+                case[2],
+                value[channel]
+            );
         }
         eprintln!("kajiya_kay ambient, m {exponent}: worst {worst:e} of the integral");
     }

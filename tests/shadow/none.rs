@@ -16,8 +16,17 @@ fn without_shadows_no_map_is_held() {
     let hairs = [&hair];
     let size = [32, 42];
     let lights = [unshadowed(DVec3::NEG_Z, Vec3::ONE)];
-    let frame = Frame { hairs: &hairs, lights: &lights, ambient: Vec3::ZERO, view: portrait(size), transparency: None };
+    let frame = Frame {
+        hairs: &hairs,
+        lights: &lights,
+        ambient: Vec3::ZERO,
+        view: portrait(size),
+        transparency: None,
+    };
     let (_, statistics) = render(&mut device, &frame, size);
-    let maps = statistics.bytes.iter().find(|(label, _)| label == "pelage.shadow.maps");
+    let maps = statistics
+        .bytes
+        .iter()
+        .find(|(label, _)| label == "pelage.shadow.maps");
     assert!(maps.is_none_or(|(_, bytes)| *bytes <= 256), "{maps:?}");
 }

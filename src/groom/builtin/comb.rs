@@ -75,7 +75,9 @@ pub(super) fn comb(style: &Style, count: usize) -> Result<Strands> {
     let scalp = Scalp::new();
     let guides = gather(&scalp, grow_all(&scalp, style), style);
     let clump: Vec<f32> = (0..guides.len())
-        .map(|guide| Draws::new(scalp.keys[guide], style.seed ^ 1).between(style.clump[0], style.clump[1]))
+        .map(|guide| {
+            Draws::new(scalp.keys[guide], style.seed ^ 1).between(style.clump[0], style.clump[1])
+        })
         .collect();
     let placements = scalp.placements(count, &clump, &style.stray, style.seed);
 
@@ -87,7 +89,13 @@ pub(super) fn comb(style: &Style, count: usize) -> Result<Strands> {
     let strands = blend(&EvenGuides::new(&guide_strands), &placements)?;
     let mut points: Vec<Vec3> = strands.points().iter().map(|p| Vec3::from(*p)).collect();
     for (at, (own, placement)) in points.chunks_mut(style.points).zip(&placements).enumerate() {
-        finish(own, at as u32, &guides, &guides[nearest_guide(placement)], style);
+        finish(
+            own,
+            at as u32,
+            &guides,
+            &guides[nearest_guide(placement)],
+            style,
+        );
     }
 
     let factor = (50_000.0 / count as f32).clamp(RADIUS_FACTORS[0], RADIUS_FACTORS[1]);
@@ -95,7 +103,9 @@ pub(super) fn comb(style: &Style, count: usize) -> Result<Strands> {
     let strands = Strands::new(positions, &vec![style.points as u32; count], 0.0)?;
     let root = ROOT_RADIUS * factor;
     let strands = taper(strands, root)?;
-    Ok(strands.with_colours(tints(count, style.seed))?.with_curve(style.curve))
+    Ok(strands
+        .with_colours(tints(count, style.seed))?
+        .with_curve(style.curve))
 }
 
 /// Radii that hold to mid-length and then fall smoothly to the tip's.
@@ -126,8 +136,15 @@ fn finish(points: &mut [Vec3], strand: u32, guides: &[Guide], guide: &Guide, sty
         own: Draws::new(strand, style.seed ^ 4),
     };
     let last = (points.len() - 1) as f32;
-    for (i, (point, leading)) in points.iter_mut().zip(&guides[guide.leader].course).enumerate() {
-        *point = point.lerp(*leading, style.tightness * smooth(0.0, 0.45, i as f32 / last));
+    for (i, (point, leading)) in points
+        .iter_mut()
+        .zip(&guides[guide.leader].course)
+        .enumerate()
+    {
+        *point = point.lerp(
+            *leading,
+            style.tightness * smooth(0.0, 0.45, i as f32 / last),
+        );
     }
     // The square makes most strands nearly full length and few much shorter, which softens the tips.
     let short = lock.own.uniform();
@@ -192,7 +209,8 @@ fn grow(scalp: &Scalp, guide: usize, style: &Style) -> Vec<Vec3> {
         // Near the scalp hair is combed; further off it only falls, and is drawn in by the hair around it.
         let combed = smooth(0.06, 0.02, height) * smooth(-0.06, 0.03, p.y);
         let drawn_in = (outward * (height - clearance) / 0.03).clamp_length_max(1.0);
-        let pull = flow(p, outward, side) * combed - Vec3::Y * (1.0 - combed) - drawn_in * 0.3 + drape(p, height);
+        let pull = flow(p, outward, side) * combed - Vec3::Y * (1.0 - combed) - drawn_in * 0.3
+            + drape(p, height);
         direction = (direction + pull * 0.38).normalize();
         let mut next = p + direction * STEP;
         let lack = clearance - head::hair_distance(next);
@@ -215,7 +233,11 @@ fn flow(p: Vec3, normal: Vec3, side: f32) -> Vec3 {
     let front = smooth(0.01, 0.06, p.z);
     let near_parting = smooth(0.06, 0.0, (p.x - PARTING_X).abs());
     let lateral = side * (top * (1.0 - back) + 0.25 * near_parting * (1.0 - back));
-    let wanted = vec3(lateral, -1.0 + 0.55 * top * (1.0 - back), -0.35 * top - 0.75 * front);
+    let wanted = vec3(
+        lateral,
+        -1.0 + 0.55 * top * (1.0 - back),
+        -0.35 * top - 0.75 * front,
+    );
     (wanted - normal * wanted.dot(normal))
         .try_normalize()
         .unwrap_or(-Vec3::Y)
@@ -226,7 +248,11 @@ fn drape(p: Vec3, height: f32) -> Vec3 {
     const RIDGE_Z: f32 = -0.035;
     let near = smooth(0.035, 0.01, height) * smooth(-0.11, -0.16, p.y);
     let forward = ((p.z - RIDGE_Z) / 0.02).clamp(-1.0, 1.0);
-    vec3(-0.5 * p.x.signum() * smooth(0.03, 0.08, p.x.abs()), 0.0, 0.8 * forward) * near
+    vec3(
+        -0.5 * p.x.signum() * smooth(0.03, 0.08, p.x.abs()),
+        0.0,
+        0.8 * forward,
+    ) * near
 }
 
 /// A course resampled to `points` points, evenly along it.
@@ -235,7 +261,10 @@ fn even_course(course: &[Vec3], points: usize) -> Vec<Vec3> {
     let at = |i: usize| {
         let place = last * i as f32 / (points - 1) as f32;
         let first = (place as usize).min(course.len() - 1);
-        course[first].lerp(course[(first + 1).min(course.len() - 1)], place - first as f32)
+        course[first].lerp(
+            course[(first + 1).min(course.len() - 1)],
+            place - first as f32,
+        )
     };
     (0..points).map(at).collect()
 }
@@ -318,8 +347,9 @@ pub(super) fn wind(points: &mut [Vec3], winding: &Winding) {
             .try_normalize()
             .unwrap_or_else(|| tangent.any_orthonormal_vector());
         let out = across.cross(tangent);
-        let (sin, cos) =
-            (winding.phase + winding.hand * std::f32::consts::TAU * (length - start) / winding.turn).sin_cos();
+        let (sin, cos) = (winding.phase
+            + winding.hand * std::f32::consts::TAU * (length - start) / winding.turn)
+            .sin_cos();
         let grown = smooth(winding.onset[0], winding.onset[1], length);
         // The outward part is lifted by its amplitude, so that winding makes volume instead of entering the head.
         let [wide, high] = winding.amplitude;

@@ -34,10 +34,17 @@ fn shape(points: &mut [Vec3], lock: &mut Lock) {
         phase: std::f32::consts::TAU * lock.shared.uniform() + 0.35 * lock.own.signed(),
         onset: [0.015, 0.09],
         aligned_at: None,
-        hand: if lock.shared.uniform() < 0.5 { -1.0 } else { 1.0 },
+        hand: if lock.shared.uniform() < 0.5 {
+            -1.0
+        } else {
+            1.0
+        },
     };
     let bend = Winding {
-        amplitude: [lock.shared.between(0.002, 0.008), lock.shared.between(0.0, 0.005)],
+        amplitude: [
+            lock.shared.between(0.002, 0.008),
+            lock.shared.between(0.0, 0.005),
+        ],
         turn: lock.shared.between(0.11, 0.2),
         phase: std::f32::consts::TAU * lock.shared.uniform(),
         onset: [0.03, 0.12],

@@ -43,24 +43,52 @@ fn skull(q: Vec3) -> f32 {
 
 fn face(q: Vec3) -> f32 {
     let mask = ellipsoid(q - vec3(0.0, -0.040, 0.028), vec3(0.059, 0.078, 0.056));
-    let jaw = capsule(q, vec3(0.040, -0.064, 0.006), vec3(0.014, -0.102, 0.060), 0.018, 0.015);
+    let jaw = capsule(
+        q,
+        vec3(0.040, -0.064, 0.006),
+        vec3(0.014, -0.102, 0.060),
+        0.018,
+        0.015,
+    );
     let chin = ellipsoid(q - vec3(0.0, -0.106, 0.072), vec3(0.018, 0.014, 0.014));
     let cheek = sphere(q - vec3(0.041, -0.026, 0.055), 0.021);
     let jowl = sphere(q - vec3(0.030, -0.060, 0.042), 0.025);
-    join(join(mask, jaw, 0.025), join(join(chin, cheek, 0.02), jowl, 0.02), 0.022)
+    join(
+        join(mask, jaw, 0.025),
+        join(join(chin, cheek, 0.02), jowl, 0.02),
+        0.022,
+    )
 }
 
 /// Adds brow, nose, lips and eyes to the smooth face `d`.
 fn features(d: f32, q: Vec3) -> f32 {
-    let brow = capsule(q, vec3(0.004, 0.016, 0.080), vec3(0.040, 0.018, 0.066), 0.008, 0.008);
+    let brow = capsule(
+        q,
+        vec3(0.004, 0.016, 0.080),
+        vec3(0.040, 0.018, 0.066),
+        0.008,
+        0.008,
+    );
     let mut d = join(d, brow, 0.016);
     let socket = ellipsoid(q - vec3(0.031, -0.001, 0.090), vec3(0.018, 0.012, 0.016));
     d = carve(d, socket, 0.012);
     let eyeball = sphere(q - vec3(0.031, -0.001, 0.0655), 0.0125);
     d = join(d, eyeball, 0.003);
-    let upper_lid = capsule(q, vec3(0.021, 0.005, 0.075), vec3(0.043, 0.003, 0.069), 0.003, 0.003);
+    let upper_lid = capsule(
+        q,
+        vec3(0.021, 0.005, 0.075),
+        vec3(0.043, 0.003, 0.069),
+        0.003,
+        0.003,
+    );
     d = join(d, upper_lid, 0.005);
-    let bridge = capsule(q, vec3(0.0, 0.010, 0.083), vec3(0.0, -0.032, 0.0985), 0.007, 0.0115);
+    let bridge = capsule(
+        q,
+        vec3(0.0, 0.010, 0.083),
+        vec3(0.0, -0.032, 0.0985),
+        0.007,
+        0.0115,
+    );
     let nostril = sphere(q - vec3(0.0115, -0.037, 0.088), 0.0075);
     d = join(d, join(bridge, nostril, 0.008), 0.010);
     let upper_lip = capsule(
@@ -95,13 +123,28 @@ fn ear(q: Vec3) -> f32 {
         local.z + 0.25 * local.y,
     );
     let shell = ellipsoid(tilted, vec3(0.010, 0.030, 0.018));
-    let bowl = ellipsoid(tilted - vec3(0.014, 0.003, 0.003), vec3(0.009, 0.018, 0.010));
+    let bowl = ellipsoid(
+        tilted - vec3(0.014, 0.003, 0.003),
+        vec3(0.009, 0.018, 0.010),
+    );
     carve(shell, bowl, 0.006)
 }
 
 fn torso(q: Vec3) -> f32 {
-    let neck = capsule(q, vec3(0.0, -0.060, -0.028), vec3(0.0, -0.190, -0.038), 0.049, 0.056);
-    let shoulder = capsule(q, vec3(0.03, -0.214, -0.042), vec3(0.140, -0.234, -0.038), 0.043, 0.043);
+    let neck = capsule(
+        q,
+        vec3(0.0, -0.060, -0.028),
+        vec3(0.0, -0.190, -0.038),
+        0.049,
+        0.056,
+    );
+    let shoulder = capsule(
+        q,
+        vec3(0.03, -0.214, -0.042),
+        vec3(0.140, -0.234, -0.038),
+        0.043,
+        0.043,
+    );
     let chest = ellipsoid(q - vec3(0.0, -0.300, -0.022), vec3(0.155, 0.105, 0.082));
     let bust = join(join(neck, shoulder, 0.06), chest, 0.05);
     // A bust ends in a flat base.

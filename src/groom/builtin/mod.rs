@@ -48,7 +48,9 @@ pub fn builtin(groom: BuiltinGroom, strand_count: usize) -> Result<Strands> {
     };
     let most = MAX_INTERPOLATED_STRANDS.min(super::MAX_POINTS / style.points);
     if strand_count > most {
-        return invalid!("strand_count {strand_count}: at most {most} strands of this style are made");
+        return invalid!(
+            "strand_count {strand_count}: at most {most} strands of this style are made"
+        );
     }
     comb::comb(style, strand_count)
 }

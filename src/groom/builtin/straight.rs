@@ -28,7 +28,10 @@ pub(super) const STYLE: Style = Style {
 /// A single long bend of a few millimetres, so that locks do not hang like wires.
 fn shape(points: &mut [Vec3], lock: &mut Lock) {
     let bend = Winding {
-        amplitude: [lock.shared.between(0.001, 0.004), lock.shared.between(0.0, 0.003)],
+        amplitude: [
+            lock.shared.between(0.001, 0.004),
+            lock.shared.between(0.0, 0.003),
+        ],
         turn: lock.shared.between(0.16, 0.26),
         phase: std::f32::consts::TAU * lock.shared.uniform() + 0.5 * lock.own.signed(),
         onset: [0.06, 0.25],

@@ -13,7 +13,12 @@ const BLOCK: i32 = 4;
 pub(super) type Planes = Vec<f32>;
 
 /// Planes from `low` to at least `high`, `fine` apart within `half_width` of `focus`, up to `coarse` apart beyond.
-pub(super) fn planes([low, high]: [f32; 2], focus: f32, half_width: f32, [fine, coarse]: [f32; 2]) -> Planes {
+pub(super) fn planes(
+    [low, high]: [f32; 2],
+    focus: f32,
+    half_width: f32,
+    [fine, coarse]: [f32; 2],
+) -> Planes {
     let mut planes = vec![low];
     let mut at = low;
     while at < high || planes.len() % BLOCK as usize != 1 {
@@ -32,7 +37,11 @@ const NORMAL_STEP: f32 = 0.0012;
 
 /// Polygonises `field` on the grid of the given planes, which must hold the surface.
 pub(super) fn polygonise(field: impl Fn(Vec3) -> f32, grid: &[Planes; 3]) -> Mesh {
-    let place = |corner: IVec3| Vec3::from_array(std::array::from_fn(|axis| grid[axis][corner[axis] as usize]));
+    let place = |corner: IVec3| {
+        Vec3::from_array(std::array::from_fn(|axis| {
+            grid[axis][corner[axis] as usize]
+        }))
+    };
     let cells = IVec3::from_array(std::array::from_fn(|axis| grid[axis].len() as i32 - 1));
     let mut net = Net::default();
     for block in boxes(IVec3::ZERO, cells / BLOCK) {
@@ -69,7 +78,12 @@ struct Net {
 }
 
 impl Net {
-    fn add_vertex(&mut self, cell: IVec3, field: &impl Fn(Vec3) -> f32, place: &impl Fn(IVec3) -> Vec3) {
+    fn add_vertex(
+        &mut self,
+        cell: IVec3,
+        field: &impl Fn(Vec3) -> f32,
+        place: &impl Fn(IVec3) -> Vec3,
+    ) {
         let corner = |k: usize| cell + ivec3((k & 1) as i32, (k >> 1 & 1) as i32, (k >> 2) as i32);
         let values: [f32; 8] = std::array::from_fn(|k| field(place(corner(k))));
         let (mut sum, mut crossings) = (Vec3::ZERO, 0.0);
@@ -86,7 +100,8 @@ impl Net {
         if crossings > 0.0 {
             self.vertices.insert(cell, self.positions.len() as u32);
             self.positions.push(sum / crossings);
-            self.cells.push((cell, [0, 1, 2, 4].map(|k| values[k] < 0.0)));
+            self.cells
+                .push((cell, [0, 1, 2, 4].map(|k| values[k] < 0.0)));
         }
     }
 
@@ -98,7 +113,8 @@ impl Net {
                     continue;
                 }
                 let [u, v] = [(axis + 1) % 3, (axis + 2) % 3].map(|k| IVec3::AXES[k]);
-                let ring = [cell, cell - u, cell - u - v, cell - v].map(|c| self.vertices.get(&c).copied());
+                let ring = [cell, cell - u, cell - u - v, cell - v]
+                    .map(|c| self.vertices.get(&c).copied());
                 let [Some(a), Some(b), Some(c), Some(d)] = ring else {
                     continue;
                 };
@@ -116,5 +132,7 @@ impl Net {
 
 /// All integer points from `low` up to but not including `high`, in a fixed order.
 fn boxes(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> {
-    (low.z..high.z).flat_map(move |z| (low.y..high.y).flat_map(move |y| (low.x..high.x).map(move |x| ivec3(x, y, z))))
+    (low.z..high.z).flat_map(move |z| {
+        (low.y..high.y).flat_map(move |y| (low.x..high.x).map(move |x| ivec3(x, y, z)))
+    })
 }

@@ -30,9 +30,13 @@ impl<'a> Bytes<'a> {
 
     /// `count` entries of `stride` bytes from byte `at`, called `name` in an error.
     pub(super) fn array(&self, at: u64, count: u64, stride: u64, name: &str) -> Result<&'a [u8]> {
-        let end = count.checked_mul(stride).and_then(|size| size.checked_add(at));
+        let end = count
+            .checked_mul(stride)
+            .and_then(|size| size.checked_add(at));
         match end {
-            Some(end) if end <= self.bytes.len() as u64 => Ok(&self.bytes[at as usize..end as usize]),
+            Some(end) if end <= self.bytes.len() as u64 => {
+                Ok(&self.bytes[at as usize..end as usize])
+            }
             _ => self.error(format_args!(
                 "{count} {name} of {stride} bytes at byte {at} do not fit into {} bytes",
                 self.bytes.len()

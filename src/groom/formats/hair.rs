@@ -71,7 +71,11 @@ pub fn read_hair(bytes: &[u8]) -> Result<Strands> {
         Some(array) => mean_colours(&strands, &vectors(array, 12)),
         None => vec![header.colour; strands.strand_count()],
     };
-    file.blame(strands.with_point_radii(radii).and_then(|s| s.with_colours(colours)))
+    file.blame(
+        strands
+            .with_point_radii(radii)
+            .and_then(|s| s.with_colours(colours)),
+    )
 }
 
 /// Writes strands as a `.hair` file: points, segment counts, and thicknesses and colours where they vary.
@@ -87,11 +91,17 @@ pub fn write_hair(strands: &Strands) -> Result<Vec<u8>> {
     for strand in 0..strands.strand_count() {
         let count = strands.range(strand).len() - 1;
         let Ok(count) = u16::try_from(count) else {
-            return invalid!("strand {strand}: {count} segments, but a .hair file holds at most 65535 a strand");
+            return invalid!(
+                "strand {strand}: {count} segments, but a .hair file holds at most 65535 a strand"
+            );
         };
         segments.extend(count.to_le_bytes());
     }
-    if let Some(radius) = strands.radii().iter().find(|radius| !(2.0 * **radius).is_finite()) {
+    if let Some(radius) = strands
+        .radii()
+        .iter()
+        .find(|radius| !(2.0 * **radius).is_finite())
+    {
         return invalid!("radius {radius} is too large for a .hair file, which holds diameters");
     }
     let radius = strands.radii().first().copied().unwrap_or(0.0);
@@ -105,9 +115,20 @@ pub fn write_hair(strands: &Strands) -> Result<Vec<u8>> {
 
     let mut bytes = write_header(strands, flags, 2.0 * radius, colour);
     bytes.extend(segments);
-    bytes.extend(strands.points().iter().flatten().flat_map(|axis| axis.to_le_bytes()));
+    bytes.extend(
+        strands
+            .points()
+            .iter()
+            .flatten()
+            .flat_map(|axis| axis.to_le_bytes()),
+    );
     if radii_vary {
-        bytes.extend(strands.radii().iter().flat_map(|radius| (2.0 * radius).to_le_bytes()));
+        bytes.extend(
+            strands
+                .radii()
+                .iter()
+                .flat_map(|radius| (2.0 * radius).to_le_bytes()),
+        );
     }
     if colours_vary {
         for strand in 0..strands.strand_count() {
@@ -141,7 +162,10 @@ fn read_header(file: &Bytes, bytes: &[u8]) -> Result<Header> {
 fn point_counts(file: &Bytes, header: &Header, segments: Option<&[u8]>) -> Result<Vec<u32>> {
     let each = u64::from(header.segments) + 1;
     let sum = match segments {
-        Some(array) => array.chunks_exact(2).map(|word| segment_count(word) + 1).sum(),
+        Some(array) => array
+            .chunks_exact(2)
+            .map(|word| segment_count(word) + 1)
+            .sum(),
         None => u64::from(header.strands).saturating_mul(each),
     };
     if sum != u64::from(header.points) {
@@ -177,7 +201,12 @@ fn mean_colours(strands: &Strands, colours: &[[f32; 3]]) -> Vec<[f32; 3]> {
 
 fn write_header(strands: &Strands, flags: u32, thickness: f32, colour: [f32; 3]) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
-    let counts = [strands.strand_count() as u32, strands.points().len() as u32, flags, 0];
+    let counts = [
+        strands.strand_count() as u32,
+        strands.points().len() as u32,
+        flags,
+        0,
+    ];
     bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
     // Default transparency: 0, opaque.
     let defaults = [thickness, 0.0, colour[0], colour[1], colour[2]];

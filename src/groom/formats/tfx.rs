@@ -60,10 +60,15 @@ pub fn read_tfx(bytes: &[u8]) -> Result<Strands> {
         )
     };
     if first < header_end {
-        return file.error(format_args!("the positions at byte {first} lie in the header"));
+        return file.error(format_args!(
+            "the positions at byte {first} lie in the header"
+        ));
     }
     let vertices = u64::from(strand_count) * u64::from(each);
-    let positions = vectors(file.array(first, vertices, stride, "positions")?, stride as usize);
+    let positions = vectors(
+        file.array(first, vertices, stride, "positions")?,
+        stride as usize,
+    );
     let counts = vec![each; strand_count as usize];
     let strands = file.blame(Strands::new(positions, &counts, 0.0))?;
     let radius = strands.fitting_radius();
