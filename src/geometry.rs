@@ -305,7 +305,7 @@ fn pad(packed: &mut Packed) {
     }
 }
 
-/// Finds the farthest depth of the host's opaque scene in each tile of the view.
+/// Finds the farthest and the nearest depth of the host's opaque scene in each tile of the view.
 pub(crate) fn host_tiles(
     gpu: &mut Gpu,
     passes: &mut Passes,
@@ -317,12 +317,9 @@ pub(crate) fn host_tiles(
     }
     let label = "pelage.geometry.host_tiles";
     let groups = [Group::Frame, Group::HostTiles];
-    let pipeline = gpu.compute(
-        PipelineKey::new(label),
-        "host_tiles_farthest",
-        &groups,
-        || Module::new(&["common/pixels", "common/host_tiles"]),
-    )?;
+    let pipeline = gpu.compute(PipelineKey::new(label), "host_tiles_range", &groups, || {
+        Module::new(&["common/pixels", "common/host_tiles"])
+    })?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(

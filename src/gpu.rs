@@ -369,11 +369,7 @@ impl Gpu {
     }
 
     fn shader(&self, label: &str, module: &Module) -> wgpu::ShaderModule {
-        self.device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(module.join().source.into()),
-            })
+        crate::host::shader_module(&self.device, label, module.join().source)
     }
 
     /// The compute pipeline of `key`, made at its first use.

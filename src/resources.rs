@@ -318,7 +318,7 @@ impl Resources {
             generation,
         )?;
         if plan.host_depth {
-            let bytes = u64::from(plan.tile_count()) * 4;
+            let bytes = u64::from(plan.tile_count()) * 8;
             grow(
                 gpu,
                 &mut self.host_tiles,

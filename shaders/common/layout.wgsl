@@ -160,7 +160,9 @@ const PROJECTED_CUT_START: u32 = 0x08000000u;
 const PROJECTED_CUT_END: u32 = 0x04000000u;
 // The segment that begins here lies outside the image or behind the host's opaque scene.
 const PROJECTED_UNSEEN: u32 = 0x02000000u;
+// It lies before all of the host's opaque scene that it may cover.
+const PROJECTED_IN_FRONT: u32 = 0x01000000u;
 // Range of that packing, in widths or heights of the image.
-const PROJECTED_SECOND_RANGE: f32 = 4.0;
+const PROJECTED_SECOND_RANGE: f32 = 2.0;
 const PROJECTED_DISTANCE_BITS: u32 = 12u;
 const PROJECTED_DISTANCE_MAX: u32 = 0xfffu;

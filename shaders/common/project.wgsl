@@ -9,7 +9,7 @@
 @group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
 @group(1) @binding(2) var<storage, read_write> projected_out: array<Projected>;
 @group(1) @binding(3) var<storage, read_write> projected_attributes_out: array<ProjectedAttributes>;
-@group(1) @binding(4) var<storage, read> host_tiles: array<u32>;
+@group(1) @binding(4) var<storage, read> host_tiles: array<vec2u>;
 
 // Points closer than this on the screen give no direction.
 const PROJECT_COINCIDENT_PX: f32 = 1e-4;
@@ -103,10 +103,10 @@ fn project_depth(position: vec3f, clip: vec4f) -> f32 {
 // Segments over more tiles than this are not looked up.
 const PROJECT_TILES: u32 = 32u;
 
-// Whether the segment to the next point lies outside the image or wholly behind the host's opaque scene.
-fn project_unseen(here: Projected, next: vec3f, next_radius: f32) -> bool {
+// What is known of the whole segment to the next point: PROJECTED_UNSEEN, PROJECTED_IN_FRONT, or neither.
+fn project_visibility(here: Projected, next: vec3f, next_radius: f32) -> u32 {
     let clip = project_clip(next);
-    if project_near_distance(clip) < 0.0 || clip.w <= 0.0 { return false; }
+    if project_near_distance(clip) < 0.0 || clip.w <= 0.0 { return 0u; }
     let there = project_pixel(clip);
     // Wide enough for any direction: the silhouette of a sphere of the radius, and the skirt of the footprint.
     let scale = max(length(drawing.clip_from_relative[0].xy), length(drawing.clip_from_relative[1].xy));
@@ -114,20 +114,24 @@ fn project_unseen(here: Projected, next: vec3f, next_radius: f32) -> bool {
     let reach = max(here.half_width, next_radius * drawing.radius_scale * widest / clip.w) + 2.0;
     let low = min(here.position, there) - reach;
     let high = max(here.position, there) + reach;
-    if any(high < vec2f(0.0)) || any(low > drawing.viewport) { return true; }
-    if (drawing.flags & DRAWING_HOST_DEPTH) == 0u { return false; }
+    if any(high < vec2f(0.0)) || any(low > drawing.viewport) { return PROJECTED_UNSEEN; }
+    if (drawing.flags & DRAWING_HOST_DEPTH) == 0u { return PROJECTED_IN_FRONT; }
     let first = vec2u(clamp(low, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
     let last = vec2u(clamp(high, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
     let size = last - first + 1u;
-    if size.x * size.y > PROJECT_TILES { return false; }
+    if size.x * size.y > PROJECT_TILES { return 0u; }
     let columns = (u32(drawing.viewport.x) + HOST_TILE - 1u) / HOST_TILE;
-    let nearest = min(depth_key(here.depth), depth_key(project_depth(next, clip)));
+    let keys = vec2u(depth_key(here.depth), depth_key(project_depth(next, clip)));
+    var hidden = true;
+    var in_front = true;
     for (var y = first.y; y <= last.y; y++) {
         for (var x = first.x; x <= last.x; x++) {
-            if nearest <= host_tiles[y * columns + x] { return false; }
+            let tile = host_tiles[y * columns + x];
+            hidden = hidden && min(keys.x, keys.y) > tile.x;
+            in_front = in_front && max(keys.x, keys.y) < tile.y;
         }
     }
-    return true;
+    return select(select(0u, PROJECTED_IN_FRONT, in_front), PROJECTED_UNSEEN, hidden);
 }
 
 // The crossing of a point's last segment, where its own place holds the following one's: drawn towards the segment's
@@ -226,7 +230,7 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let twice = (flags & PROJECTED_CUT_START) != 0u && (flags & PROJECTED_CUT_END) != 0u;
     projected_out[index] = Projected(here.position, select(here.depth, second_half_width, twice), half_width);
     let in_view = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u && (flags & PROJECTED_BEHIND) == 0u;
-    if in_view && !is_last && project_unseen(here, next, points[index + 1u].radius) { flags |= PROJECTED_UNSEEN; }
+    if in_view && !is_last { flags |= project_visibility(here, next, points[index + 1u].radius); }
     var word = pack2x16snorm(bisector);
     if (flags & PROJECTED_BEHIND) == 0u {
         flags |= u32(before.distance * limit + 0.5) << PROJECTED_DISTANCE_BITS;

@@ -9,6 +9,9 @@
 @group(1) @binding(0) var<storage, read> projected: array<Projected>;
 @group(1) @binding(1) var<storage, read> projected_attributes: array<ProjectedAttributes>;
 
+// Whether the invocation's segment need not be compared with the host's depth.
+var<private> segment_in_front: bool;
+
 struct Segment {
     start: vec2f,
     end: vec2f,
@@ -60,6 +63,7 @@ fn segment(index: u32) -> Segment {
     let next_flags = projected_attributes[index + 1u].flags;
     if (flags & (PROJECTED_BEHIND | PROJECTED_CUT_START)) == PROJECTED_BEHIND { return s; }
     if (next_flags & (PROJECTED_BEHIND | PROJECTED_CUT_END)) == PROJECTED_BEHIND { return s; }
+    segment_in_front = (flags & PROJECTED_IN_FRONT) != 0u;
     let p = projected[index];
     let q = projected[index + 1u];
     s.start = p.position;

@@ -7,6 +7,6 @@ fn fragment_in_range(fragment: Fragment) -> bool {
 
 // Whether the host's opaque scene hides a fragment.
 fn fragment_hidden(pixel: vec2u, key: u32) -> bool {
-    if (drawing.flags & DRAWING_HOST_DEPTH) == 0u { return false; }
+    if segment_in_front || (drawing.flags & DRAWING_HOST_DEPTH) == 0u { return false; }
     return key >= depth_key(textureLoad(host_depth, pixel, 0));
 }
