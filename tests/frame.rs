@@ -58,6 +58,17 @@ fn techniques() -> Vec<Transparency> {
 
 /// Draws by both rasterisers and holds both to the reference.
 fn check(device: &mut Device, name: &str, hairs: &[&Hair], view: View, size: [u32; 2]) {
+    check_within(device, name, hairs, view, size, TOLERANCE);
+}
+
+fn check_within(
+    device: &mut Device,
+    name: &str,
+    hairs: &[&Hair],
+    view: View,
+    size: [u32; 2],
+    tolerance: Tolerance,
+) {
     let lights = [light()];
     for raster in [Raster::Walk, Raster::Ribbons] {
         let transparency = Some(a_buffer(Storage::Counted, raster));
@@ -73,7 +84,7 @@ fn check(device: &mut Device, name: &str, hairs: &[&Hair], view: View, size: [u3
             &format!("{name} {raster:?}"),
             &actual,
             &reference(&frame, size, None),
-            TOLERANCE,
+            tolerance,
         );
     }
 }
@@ -215,12 +226,26 @@ fn strands_through_the_near_plane_are_cut_there() {
     check(&mut device, "near plane", &[&hair], near_view(), SIZE);
 }
 
+/// Both crossings lie far outside the image, where f32 and the packing step by some thousandths of a pixel: measured
+/// p99 4.1e-3 of alpha, RMSE 8e-4.
+const TWICE: Tolerance = Tolerance {
+    rmse: 1e-3,
+    p99: 6e-3,
+};
+
 #[test]
 fn strands_that_pass_the_near_plane_twice_keep_both_parts() {
     let Some(mut device) = device() else { return };
     let mut hair = white(&mut device, through_the_near_plane(true), &[4; 24], 0.01);
     hair.opacity = 0.6;
-    check(&mut device, "near plane twice", &[&hair], near_view(), SIZE);
+    check_within(
+        &mut device,
+        "near plane twice",
+        &[&hair],
+        near_view(),
+        SIZE,
+        TWICE,
+    );
 }
 
 /// A few strands that pass the near plane so close to the eye that f32 steps by 0.004 px there are off by more:

@@ -134,13 +134,13 @@ fn project_visibility(here: Projected, next: vec3f, next_radius: f32) -> u32 {
     return select(select(0u, PROJECTED_IN_FRONT, in_front), PROJECTED_UNSEEN, hidden);
 }
 
-// The crossing of a point's last segment, where its own place holds the following one's: drawn towards the segment's
-// other end until it lies within the range of the packing, well outside the image.
-fn project_second(other: vec2f, cut: vec2f) -> u32 {
+// The crossing of a point's last segment, where its own place holds the following one's, is packed within a range well
+// outside the image: this part of the way from the segment's other end to the crossing lies within it.
+fn project_second_part(other: vec2f, cut: vec2f) -> f32 {
     let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
     let way = cut - other;
     let room = (vec2f(range) - sign(way) * other) / max(abs(way), vec2f(1e-6));
-    return pack2x16snorm((other + way * clamp(min(room.x, room.y), 0.0, 1.0)) / range);
+    return clamp(min(room.x, room.y), 0.0, 1.0);
 }
 
 // Half a fibre's width in pixels at a position before the near plane, with its tangent and its direction on the screen.
@@ -192,7 +192,7 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
                 let cut = project_cut(exact, previous);
                 let crossing = project_crossing(exact, previous);
                 let cut_radius = mix(points[index].radius, points[index - 1u].radius, crossing);
-                flags |= PROJECTED_CUT_END | (u32((1.0 - crossing) * limit + 0.5) << PROJECTED_DISTANCE_BITS);
+                var along = 1.0 - crossing;
                 if (flags & PROJECTED_CUT_START) == 0u {
                     position = cut;
                     tangent = project_unit(exact - previous);
@@ -202,9 +202,16 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
                     let to_pixel = project_pixel(project_clip(cut));
                     let way = to_pixel - from_pixel;
                     let direction = select(vec2f(0.0), way / max(length(way), 1e-12), any(way != vec2f(0.0)));
-                    second = project_second(from_pixel, to_pixel);
-                    second_half_width = project_half_width(cut, project_unit(exact - previous), cut_radius, direction);
+                    let part = project_second_part(from_pixel, to_pixel);
+                    let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
+                    let unit = project_unit(exact - previous);
+                    let from_half_width = project_half_width(previous, unit, points[index - 1u].radius, direction);
+                    let to_half_width = project_half_width(cut, unit, cut_radius, direction);
+                    second = pack2x16snorm(mix(from_pixel, to_pixel, part) / range);
+                    second_half_width = mix(from_half_width, to_half_width, part);
+                    along *= part;
                 }
+                flags |= PROJECTED_CUT_END | (u32(along * limit + 0.5) << PROJECTED_DISTANCE_BITS);
             }
         }
     }
