@@ -95,7 +95,10 @@ pub(crate) fn record(
     let key = PipelineKey {
         colour: Some(format),
         depth: depth.map(|texture| texture.format()),
-        variant: transparency::resolve_variant(&plan.transparency) * 2 + u32::from(plan.reverse_z),
+        variant: (transparency::resolve_variant(&plan.transparency) * 2
+            + u32::from(plan.reverse_z))
+            * 4
+            + plan.parts,
         ..PipelineKey::new(label)
     };
     let nearer = if plan.reverse_z {
@@ -104,7 +107,7 @@ pub(crate) fn record(
         wgpu::CompareFunction::LessEqual
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: transparency::resolve_module(&plan.transparency).and(&["composite"]),
+        module: transparency::resolve_module(&plan.transparency, plan.parts).and(&["composite"]),
         vertex: "composite_vertex",
         fragment: if depth.is_some() {
             "composite_with_depth"

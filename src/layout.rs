@@ -88,8 +88,8 @@ pub struct Frame {
     pub flags: u32,
     pub tail_scale: f32,
     pub run_points: u32,
-    pub run_columns: u32,
     pub run_rows: u32,
+    pub part_capacity: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
 }

@@ -12,6 +12,7 @@ use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::Transparency;
+use crate::transparency::a_buffer::FRAGMENT_BYTES;
 
 /// A run of a hair, and where its points lie among the frame's pooled points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +68,14 @@ pub(crate) struct Plan {
     pub shadowed: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
+    /// Parts of the fragment pool that the frame uses, from 1 to 3.
+    pub parts: u32,
     pub frame_uniform: layout::Frame,
+}
+
+/// Fragments that each of the pool's parts holds: what one binding holds.
+pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
+    gpu.max_binding() / FRAGMENT_BYTES
 }
 
 /// Pixels of one band at most: what one binding of the overflow's words holds.
@@ -162,7 +170,7 @@ impl Plan {
         let seen = view_size(&clip_from_relative, &placed, frame, width, height);
 
         let largest = runs.iter().map(|run| run.run.count).max().unwrap_or(0);
-        let (columns, rows) = workgroups(largest);
+        let (_, rows) = workgroups(largest);
         let mut plan = Self {
             width,
             height,
@@ -194,6 +202,7 @@ impl Plan {
             shadowed: false,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
+            parts: 1,
             frame_uniform: layout::Frame {
                 ambient: frame.ambient.into(),
                 light_count: frame.lights.len() as u32,
@@ -209,8 +218,8 @@ impl Plan {
                 },
                 tail_scale: tail_scale(frame, &placed, origin),
                 run_points: largest,
-                run_columns: columns,
                 run_rows: rows,
+                part_capacity: part_capacity(gpu) as u32,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
             },
@@ -261,6 +270,9 @@ impl Plan {
     /// Writes the frame's own block, when everything in it is known.
     pub fn seal(&mut self, capacity: u64) {
         self.frame_uniform.capacity = capacity as u32;
+        self.parts = capacity
+            .div_ceil(u64::from(self.frame_uniform.part_capacity))
+            .clamp(1, 3) as u32;
         let size = std::mem::size_of::<layout::Frame>();
         self.uniforms[..size].copy_from_slice(bytemuck::bytes_of(&self.frame_uniform));
     }

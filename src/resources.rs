@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
 use crate::layout::{Counters, OVERFLOW_WORDS, SCAN_BLOCK};
-use crate::plan::Plan;
+use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::transparency::Transparency;
 use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
@@ -38,9 +38,8 @@ pub(crate) struct Pixels {
     pub counters: Allocation,
     pub fill: Allocation,
     pub links: Allocation,
-    pub keys: Allocation,
-    pub points: Allocation,
-    pub values: Allocation,
+    /// The parts of the fragment pool.
+    pub fragments: [Allocation; 3],
     pub overflow: Allocation,
 }
 
@@ -228,9 +227,11 @@ impl Resources {
                 counters: empty("pelage.counters")?,
                 fill: empty("pelage.transparency.fill")?,
                 links: empty("pelage.transparency.links")?,
-                keys: empty("pelage.transparency.keys")?,
-                points: empty("pelage.transparency.points")?,
-                values: empty("pelage.transparency.values")?,
+                fragments: [
+                    empty("pelage.transparency.fragments")?,
+                    empty("pelage.transparency.fragments")?,
+                    empty("pelage.transparency.fragments")?,
+                ],
                 overflow: empty("pelage.transparency.overflow")?,
             },
             arguments: gpu.allocate(
@@ -359,8 +360,8 @@ impl Resources {
                 )?;
                 grow(
                     gpu,
-                    &mut pool.keys,
-                    "pelage.transparency.keys",
+                    &mut pool.fragments[0],
+                    "pelage.transparency.fragments",
                     pixels * 4,
                     generation,
                 )
@@ -396,8 +397,15 @@ impl Resources {
         } else {
             FRAGMENT_BYTES
         };
-        let held = self.pixels.keys.size() / 4;
-        let most = gpu.max_binding() / 4;
+        let part = part_capacity(gpu);
+        let held = self.fragments_held(part);
+        let lists = settings.storage == Storage::Lists;
+        // Lists keep their links in one binding.
+        let most = if lists {
+            (3 * part).min(gpu.max_binding() / 4)
+        } else {
+            3 * part
+        };
         let wanted = match settings.pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
@@ -409,45 +417,51 @@ impl Resources {
         let reserve = RING as u64 * (plan.uniforms.len() as u64).next_power_of_two() + RESERVE;
         let left = (gpu.ledger().left().saturating_sub(reserve) / each).saturating_add(held);
         let wanted = wanted.min(left).max(1);
-        let fits = held >= wanted;
-        let lists = settings.storage == Storage::Lists;
-        if !fits || (lists && self.pixels.links.size() / 4 < wanted) {
-            let generation = &mut self.generation;
-            let pool = &mut self.pixels;
-            // Lists use `links` for their nodes.
-            let buffers = [
-                (&mut pool.keys, "pelage.transparency.keys"),
-                (&mut pool.points, "pelage.transparency.points"),
-                (&mut pool.values, "pelage.transparency.values"),
-            ];
-            for (slot, label) in buffers {
-                if slot.size() < wanted * 4 {
-                    *slot = gpu.storage(label, 256)?;
-                    grow(gpu, slot, label, wanted * 4, generation)?;
+        if held < wanted {
+            for (number, slot) in self.pixels.fragments.iter_mut().enumerate() {
+                let bytes = wanted.saturating_sub(number as u64 * part).min(part) * FRAGMENT_BYTES;
+                if slot.size() < bytes {
+                    // The old part comes free before the new one is made.
+                    *slot = gpu.storage("pelage.transparency.fragments", 256)?;
+                    self.generation += 1;
+                    grow(
+                        gpu,
+                        slot,
+                        "pelage.transparency.fragments",
+                        bytes,
+                        &mut self.generation,
+                    )?;
                 }
             }
-            if lists {
-                grow(
-                    gpu,
-                    &mut pool.links,
-                    "pelage.transparency.links",
-                    wanted * 4,
-                    generation,
-                )?;
-            }
         }
-        let held =
-            [&self.pixels.keys, &self.pixels.points, &self.pixels.values].map(|a| a.size() / 4);
-        let held = held.into_iter().min().unwrap_or(0);
+        if lists {
+            let links = &mut self.pixels.links;
+            let label = "pelage.transparency.links";
+            grow(gpu, links, label, wanted * 4, &mut self.generation)?;
+        }
+        let held = self.fragments_held(part).min(most);
         self.capacity = if settings.pool_bytes.is_some() {
             wanted.min(held)
         } else {
-            held.min(most)
+            held
         };
         if lists {
             self.capacity = self.capacity.min(self.pixels.links.size() / 4);
         }
         Ok(())
+    }
+
+    /// Fragments that the pool's parts hold: a part counts where the one before it is full.
+    fn fragments_held(&self, part: u64) -> u64 {
+        let mut held = 0;
+        for slot in &self.pixels.fragments {
+            let fragments = (slot.size() / FRAGMENT_BYTES).min(part);
+            held += fragments;
+            if fragments < part {
+                break;
+            }
+        }
+        held
     }
 
     /// The attachment of ribbons, as large as the largest image that they draw.
@@ -543,9 +557,9 @@ impl Resources {
             &pool.counters,
             &pool.fill,
             &pool.links,
-            &pool.keys,
-            &pool.points,
-            &pool.values,
+            &pool.fragments[0],
+            &pool.fragments[1],
+            &pool.fragments[2],
             &pool.overflow,
             &self.shaded,
         ]

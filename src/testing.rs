@@ -30,7 +30,7 @@ pub fn combinations() -> Vec<Combination> {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             modules.push((
                 format!("{} {rasteriser}", emission.label),
-                emission.module(rasteriser),
+                emission.module(rasteriser, 3),
             ));
         }
     }
@@ -46,7 +46,7 @@ pub fn combinations() -> Vec<Combination> {
     ] {
         modules.push((
             format!("composite {name}"),
-            resolve_module(&technique).and(&["composite"]),
+            resolve_module(&technique, 3).and(&["composite"]),
         ));
     }
     modules.push((
@@ -137,8 +137,7 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, padding_0, padding_1 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points,
-            run_columns, run_rows, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, lights, shadow_views,
         }
         Material { values }
         Counters { produced, culled, stored, merged, overflow, mismatched, covered, padding_0, walk_arguments, ribbon_arguments }

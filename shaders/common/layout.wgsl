@@ -84,10 +84,11 @@ struct Frame {
     flags: u32,
     // Steps a unit of radiance of the overflow tail's fixed-point colours.
     tail_scale: f32,
-    // The largest run's points, and the workgroups of its walk.
+    // The largest run's points, and the rows of workgroups of its walk.
     run_points: u32,
-    run_columns: u32,
     run_rows: u32,
+    // Fragments that each of the pool's three parts holds.
+    part_capacity: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }

@@ -85,7 +85,8 @@ fn scan_totals(@builtin(local_invocation_index) local: u32) {
             atomicAdd(&counters.stored, total);
             if total > frame.capacity {
                 atomicStore(&counters.overflow, 1u);
-                counters.walk_arguments = vec4u(frame.run_columns, frame.run_rows, drawing.splits, 0u);
+                let columns = clamp((frame.run_points + 63u) / 64u, 1u, 32768u);
+                counters.walk_arguments = vec4u(columns, frame.run_rows, drawing.splits, 0u);
                 counters.ribbon_arguments = vec4u(4u, frame.run_points, 0u, 0u);
             }
         } else {

@@ -7,9 +7,9 @@
 @group(3) @binding(0) var<storage, read> counters: array<u32>;
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
 @group(3) @binding(2) var<storage, read> links: array<u32>;
-@group(3) @binding(3) var<storage, read> fragment_keys: array<u32>;
-@group(3) @binding(4) var<storage, read> fragment_points: array<u32>;
-@group(3) @binding(5) var<storage, read> fragment_values: array<u32>;
+@group(3) @binding(3) var<storage, read> fragments_0: array<u32>;
+@group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
+@group(3) @binding(5) var<storage, read> fragments_2: array<u32>;
 @group(3) @binding(6) var<storage, read> overflow: array<u32>;
 @group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
@@ -35,6 +35,14 @@ struct Candidate {
     place: u32,
 }
 
+// One of a fragment's words: 0 its key, 1 its point, 2 its opacity and place along the segment.
+fn a_buffer_word(place: u32, word: u32) -> u32 {
+    let part = frame.part_capacity;
+    if PARTS == 1u || place < part { return fragments_0[place * 3u + word]; }
+    if PARTS == 2u || place < 2u * part { return fragments_1[(place - part) * 3u + word]; }
+    return fragments_2[(place - 2u * part) * 3u + word];
+}
+
 fn a_buffer_before(a: Candidate, b: Candidate) -> bool {
     return a.key < b.key || (a.key == b.key && a.point < b.point);
 }
@@ -53,7 +61,7 @@ fn a_buffer_first(number: u32) -> u32 {
 }
 
 fn a_buffer_shade(candidate: Candidate, transmittance: f32) -> vec4f {
-    let value = unpack2x16float(fragment_values[candidate.place]);
+    let value = unpack2x16float(a_buffer_word(candidate.place, 2u));
     return vec4f(transmittance * value.x * shaded_colour(candidate.point, value.y), transmittance * (1.0 - value.x));
 }
 
@@ -105,9 +113,9 @@ fn resolve(pixel: vec2u) -> Resolved {
         for (var i = 0u; i < count; i++) {
             let place = select(first + i, node - 1u, LISTS);
             if LISTS { node = links[place]; }
-            let key = fragment_keys[place];
+            let key = a_buffer_word(place, 0u);
             if key > k7.key || key < last.key { continue; }
-            let candidate = Candidate(key, fragment_points[place], place);
+            let candidate = Candidate(key, a_buffer_word(place, 1u), place);
             if last.place != A_BUFFER_NONE && !a_buffer_before(last, candidate) { continue; }
             if !a_buffer_before(candidate, k7) { continue; }
             k7 = candidate;
@@ -139,9 +147,9 @@ fn resolve(pixel: vec2u) -> Resolved {
         for (var i = 0u; i < count; i++) {
             let place = select(first + i, node - 1u, LISTS);
             if LISTS { node = links[place]; }
-            let candidate = Candidate(fragment_keys[place], fragment_points[place], place);
+            let candidate = Candidate(a_buffer_word(place, 0u), a_buffer_word(place, 1u), place);
             if last.place != A_BUFFER_NONE && !a_buffer_before(last, candidate) { continue; }
-            let value = unpack2x16float(fragment_values[place]);
+            let value = unpack2x16float(a_buffer_word(place, 2u));
             depth += optical_depth(value.x);
             weight += value.x;
             sum += value.x * shaded_colour(candidate.point, value.y);

@@ -12,10 +12,11 @@
 @group(3) @binding(1) var<storage, read_write> fill: array<atomic<u32>>;
 // Counted: first place of a pixel. Lists: next node, as in `fill`.
 @group(3) @binding(2) var<storage, read_write> links: array<u32>;
-@group(3) @binding(3) var<storage, read_write> fragment_keys: array<u32>;
-@group(3) @binding(4) var<storage, read_write> fragment_points: array<u32>;
-// Opacity and place along the segment, 16-bit floats.
-@group(3) @binding(5) var<storage, read_write> fragment_values: array<u32>;
+// A fragment is three words side by side: key, point, and opacity with place. The pool has three parts, since one binding
+// may be too small for it.
+@group(3) @binding(3) var<storage, read_write> fragments_0: array<u32>;
+@group(3) @binding(4) var<storage, read_write> fragments_1: array<u32>;
+@group(3) @binding(5) var<storage, read_write> fragments_2: array<u32>;
 @group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
 @group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
@@ -27,9 +28,11 @@ const STAGE_SCATTER_OVERFLOW: u32 = 4u;
 const STAGE_LIST: u32 = 5u;
 
 var<private> a_buffer_culled: u32;
+var<private> a_buffer_mismatched: u32;
 
 fn emit_begin() -> bool {
     a_buffer_culled = 0u;
+    a_buffer_mismatched = 0u;
     if STAGE == STAGE_COUNT || STAGE == STAGE_LIST { return true; }
     return (atomicLoad(&counters.overflow) != 0u) != (STAGE == STAGE_SCATTER);
 }
@@ -38,12 +41,27 @@ fn emit_end() {
     if (STAGE == STAGE_COUNT || STAGE == STAGE_LIST) && a_buffer_culled > 0u {
         atomicAdd(&counters.culled, a_buffer_culled);
     }
+    if a_buffer_mismatched > 0u { atomicAdd(&counters.mismatched, a_buffer_mismatched); }
 }
 
 fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
-    fragment_keys[place] = key;
-    fragment_points[place] = fragment.point;
-    fragment_values[place] = pack2x16float(vec2f(fragment.opacity, fragment.along));
+    let value = pack2x16float(vec2f(fragment.opacity, fragment.along));
+    let part = frame.part_capacity;
+    if PARTS == 1u || place < part {
+        fragments_0[place * 3u] = key;
+        fragments_0[place * 3u + 1u] = fragment.point;
+        fragments_0[place * 3u + 2u] = value;
+    } else if PARTS > 1u && place < 2u * part {
+        let word = (place - part) * 3u;
+        fragments_1[word] = key;
+        fragments_1[word + 1u] = fragment.point;
+        fragments_1[word + 2u] = value;
+    } else if PARTS > 2u {
+        let word = (place - 2u * part) * 3u;
+        fragments_2[word] = key;
+        fragments_2[word + 1u] = fragment.point;
+        fragments_2[word + 2u] = value;
+    }
 }
 
 // Adds to one sum of a pixel's tail; its carries are counted beside it.
@@ -95,11 +113,10 @@ fn emit(pixel: vec2u, fragment: Fragment) {
         // The count and this pass evaluate the same expressions; should they differ all the same, nothing else suffers.
         let left = atomicSub(&fill[number], 1u);
         let place = links[number] + left - 1u;
-        if left == 0u || left > 0x7fffffffu || place >= frame.capacity {
-            atomicAdd(&counters.mismatched, 1u);
-            return;
-        }
-        a_buffer_store(place, key, fragment);
+        // Counted here and added at the end: some drivers run both sides of a branch, and an atomic is dear.
+        let fits = left != 0u && left <= 0x7fffffffu && place < frame.capacity;
+        a_buffer_mismatched += select(1u, 0u, fits);
+        if fits { a_buffer_store(place, key, fragment); }
     } else {
         let node = atomicAdd(&counters.stored, 1u);
         if node >= frame.capacity {

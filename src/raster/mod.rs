@@ -61,9 +61,10 @@ pub(crate) struct Emission {
 }
 
 impl Emission {
-    pub(crate) fn module(&self, rasteriser: &'static str) -> Module {
+    pub(crate) fn module(&self, rasteriser: &'static str, parts: u32) -> Module {
         Module::new(&["common/coverage", "common/segment"])
             .with("STAGE", Constant::U32(self.stage))
+            .with("PARTS", Constant::U32(parts))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
             .and(self.files)
             .and(&[rasteriser])

@@ -20,10 +20,11 @@ pub(super) fn record(
 ) -> Result<()> {
     let key = PipelineKey {
         rasteriser: Some(Rasteriser::Ribbons),
+        variant: plan.parts,
         ..PipelineKey::new(emission.label)
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: emission.module("raster/ribbons"),
+        module: emission.module("raster/ribbons", plan.parts),
         vertex: "ribbon_vertex",
         fragment: "ribbon_fragment",
         groups: match emission.group {

@@ -16,10 +16,13 @@ pub(super) fn record(
 ) -> Result<()> {
     let key = PipelineKey {
         rasteriser: Some(Rasteriser::Walk),
+        variant: plan.parts,
         ..PipelineKey::new(emission.label)
     };
     let groups = [Group::Frame, Group::Segments, emission.group];
-    let pipeline = gpu.compute(key, "walk", &groups, || emission.module("raster/walk"))?;
+    let pipeline = gpu.compute(key, "walk", &groups, || {
+        emission.module("raster/walk", plan.parts)
+    })?;
     passes.compute(emission.label, |pass| {
         pass.set_pipeline(&pipeline);
         let (index, group) = bound.emission(emission.group);

@@ -11,7 +11,7 @@ use crate::gpu::{Gpu, Passes};
 use crate::plan::{Band, Plan};
 use crate::raster::{Draw, Raster};
 use crate::resources::Bound;
-use crate::shader::Module;
+use crate::shader::{Constant, Module};
 
 /// A transparency technique with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,8 +83,9 @@ pub(crate) fn record(
 }
 
 /// The files that supply `resolve(pixel)`.
-pub(crate) fn resolve_module(transparency: &Transparency) -> Module {
-    let common = Module::new(&["common/pixels", "transparency/shaded"]);
+pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module {
+    let common =
+        Module::new(&["common/pixels", "transparency/shaded"]).with("PARTS", Constant::U32(parts));
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
         Transparency::ABuffer(settings) => a_buffer::resolve_module(common, settings.storage),

@@ -43,7 +43,11 @@ pub(crate) fn record(
 ) -> Result<()> {
     let words = u64::from(plan.width) * u64::from(band.rows) * 4;
     passes.encode("pelage.transparency.opaque.clear", |encoder| {
-        for buffer in [&bound.pixels.fill, &bound.pixels.links, &bound.pixels.keys] {
+        for buffer in [
+            &bound.pixels.fill,
+            &bound.pixels.links,
+            &bound.pixels.fragments[0],
+        ] {
             encoder.clear_buffer(&buffer.buffer, 0, Some(words));
         }
         bound.clear_counters(encoder);
