@@ -3,7 +3,8 @@
 /// Fragments of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Fragments {
-    /// Found by the rasteriser within the view's depth range.
+    /// Found by the rasteriser within the view's depth range. Segments outside the view or wholly behind the opaque scene
+    /// are dropped before, and count nowhere.
     pub produced: u64,
     /// Of these, dropped before they were stored, since they cannot be seen.
     pub culled: u64,
