@@ -322,7 +322,7 @@ impl Gpu {
         })
     }
 
-    /// Puts a texture's bytes on the ledger's books for as long as the result lives.
+    /// Makes a storage buffer that can be copied and cleared.
     pub fn storage(&self, label: &'static str, size: u64) -> Result<Allocation> {
         let usage = wgpu::BufferUsages::STORAGE
             | wgpu::BufferUsages::COPY_DST
