@@ -45,7 +45,7 @@ pub struct Drawing {
     pub row_first: u32,
     pub row_end: u32,
     pub segment_count: u32,
-    pub padding_0: u32,
+    pub front_shift: u32,
 }
 
 #[repr(C)]
@@ -71,8 +71,8 @@ pub struct ShadowView {
     pub depth_row: [f32; 4],
     pub front_base: u32,
     pub layer_base: u32,
+    pub front_shift: u32,
     pub padding_0: u32,
-    pub padding_1: u32,
 }
 
 #[repr(C)]

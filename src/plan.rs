@@ -10,7 +10,7 @@ use crate::gpu::{Gpu, workgroups};
 use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
-use crate::shadow::deep_opacity_map::FRONT_BLOCK;
+use crate::shadow::deep_opacity_map::front_shift;
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::Transparency;
 use crate::transparency::a_buffer::FRAGMENT_BYTES;
@@ -27,6 +27,8 @@ pub(crate) struct PlannedRun {
 /// One map of one light.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlannedMap {
+    /// Blocks of 1 << front_shift texels a side share one front.
+    pub front_shift: u32,
     pub settings: DeepOpacityMap,
     pub rasteriser: Rasteriser,
     /// Uniform offsets, one a run.
@@ -367,7 +369,8 @@ impl Plan {
         gpu: &Gpu,
     ) -> Result<()> {
         let texels = u64::from(settings.resolution).pow(2);
-        let fronts = u64::from(settings.resolution.div_ceil(FRONT_BLOCK)).pow(2);
+        let front_shift = front_shift(half_width);
+        let fronts = u64::from(settings.resolution.div_ceil(1 << front_shift)).pow(2);
         let front_base = self.map_words;
         let layer_base = front_base + fronts;
         self.map_words = layer_base + texels * u64::from(settings.layers);
@@ -383,8 +386,8 @@ impl Plan {
             depth_row: vector(camera.depth_row),
             front_base: front_base as u32,
             layer_base: layer_base as u32,
+            front_shift,
             padding_0: 0,
-            padding_1: 0,
         };
         let seen = Seen {
             half_width_px: half_width,
@@ -402,6 +405,7 @@ impl Plan {
                 splits: seen.splits(),
                 front_base: front_base as u32,
                 layer_base: layer_base as u32,
+                front_shift,
                 layer_count: settings.layers,
                 layer_extent: extent as f32,
                 row_end: settings.resolution,
@@ -411,6 +415,7 @@ impl Plan {
         let rasteriser = settings.raster.choose(half_width);
         self.maps.push(PlannedMap {
             settings,
+            front_shift,
             rasteriser,
             drawings,
             splits: seen.splits(),

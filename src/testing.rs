@@ -133,12 +133,12 @@ pub fn layouts() -> Vec<Layout> {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
-            segment_count, padding_0,
+            segment_count, front_shift,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
         }
-        ShadowView { clip_from_relative, depth_row, front_base, layer_base, padding_0, padding_1 }
+        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, lights, shadow_views,
         }

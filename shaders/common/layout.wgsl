@@ -32,7 +32,8 @@ struct Drawing {
     row_end: u32,
     // Segments of the run, and entries of its order.
     segment_count: u32,
-    padding_0: u32,
+    // Blocks of 1 << front_shift texels a side share one front.
+    front_shift: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -67,8 +68,8 @@ struct ShadowView {
     depth_row: vec4f,
     front_base: u32,
     layer_base: u32,
+    front_shift: u32,
     padding_0: u32,
-    padding_1: u32,
 }
 
 struct Frame {

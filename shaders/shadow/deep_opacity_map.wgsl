@@ -13,8 +13,9 @@ struct ShadowSample {
 fn deep_opacity_map_depth(place: vec2u, map: u32, light: u32, depth: f32) -> f32 {
     let resolution = frame.lights[light].resolution;
     let texel = place.y * resolution + place.x;
-    let front_place = frame.shadow_views[map].front_base + deep_opacity_front_place(place, resolution);
-    let front = deep_opacity_front(shadow_maps[front_place]);
+    let view = frame.shadow_views[map].front_base;
+    let shift = frame.shadow_views[map].front_shift;
+    let front = deep_opacity_front(shadow_maps[view + deep_opacity_front_place(place, resolution, shift)]);
     let count = frame.lights[light].layer_count;
     let behind = (depth - front) / frame.lights[light].layer_extent;
     if !(behind > 0.0) { return 0.0; }

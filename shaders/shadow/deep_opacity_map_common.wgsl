@@ -13,13 +13,10 @@ fn deep_opacity_layer(depth: f32, count: u32) -> u32 {
     return min(u32(x * f32(count)), count - 1u);
 }
 
-// Texels a side that share one front: the layers of neighbouring texels then begin together, and fronts cost a third.
-const DEEP_OPACITY_FRONT: u32 = 2u;
-
-// Where a texel's front lies among a map's fronts.
-fn deep_opacity_front_place(texel: vec2u, resolution: u32) -> u32 {
-    let width = (resolution + DEEP_OPACITY_FRONT - 1u) / DEEP_OPACITY_FRONT;
-    return (texel.y / DEEP_OPACITY_FRONT) * width + texel.x / DEEP_OPACITY_FRONT;
+// Where a texel's front lies among a map's fronts, of which blocks of 1 << shift texels a side share one.
+fn deep_opacity_front_place(texel: vec2u, resolution: u32, shift: u32) -> u32 {
+    let width = (resolution + (1u << shift) - 1u) >> shift;
+    return (texel.y >> shift) * width + (texel.x >> shift);
 }
 
 // The bits of a positive float order like the float; kept as a distance from the largest one, so that a cleared word

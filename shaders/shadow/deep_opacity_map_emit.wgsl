@@ -12,6 +12,7 @@ const EMIT_COMPARES: bool = false;
 // Read once an invocation: some drivers would read a uniform anew at every texel.
 var<private> map_width: u32;
 var<private> map_front: u32;
+var<private> map_front_shift: u32;
 var<private> map_layers: u32;
 var<private> map_layer_count: u32;
 var<private> map_extent: f32;
@@ -20,6 +21,7 @@ fn emit_begin() -> bool {
     // In the pixels of this stage.
     map_width = u32(segment_viewport().x);
     map_front = drawing.front_base;
+    map_front_shift = drawing.front_shift;
     map_layers = drawing.layer_base;
     map_layer_count = drawing.layer_count;
     map_extent = 1.0 / drawing.layer_extent;
@@ -38,7 +40,7 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
         }
     } else {
         let texel = pixel.y * map_width + pixel.x;
-        let front_place = map_front + deep_opacity_front_place(pixel, map_width);
+        let front_place = map_front + deep_opacity_front_place(pixel, map_width, map_front_shift);
         let front = deep_opacity_front(atomicLoad(&shadow_maps[front_place]));
         let layer = deep_opacity_layer((fragment.depth - front) * map_extent, map_layer_count);
         let word = map_layers + texel * map_layer_count + layer;
