@@ -19,6 +19,9 @@ const RUN_ALIGNMENT: usize = 64;
 /// The most points of all hairs of a frame: what fits in 24 bits beside a place along the segment.
 pub(crate) const MAX_FRAME_POINTS: u64 = 1 << 24;
 
+/// The most instances of one hair: what 16 bits count beside the hair's own number.
+pub(crate) const MAX_INSTANCES: usize = 0xffff;
+
 /// A part of a hair's points that one dispatch treats: whole strands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Run {
@@ -43,7 +46,20 @@ pub struct Hair {
     pub shadow: Option<Shadow>,
     /// The transparency technique that this hair wishes for frames that name none.
     pub transparency: Option<Transparency>,
+    /// `world_from_object` of the frame before, for motion vectors. `None`: the hair was where it is.
+    pub previous_world_from_object: Option<DMat4>,
+    /// Copies of the groom, each drawn with `world_from_object` after its own transform. Empty: one, as it is.
+    pub instances: Vec<Instance>,
     pub(crate) geometry: Geometry,
+}
+
+/// One copy of a groom.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// The groom's own space from the copy's; any invertible affine transform.
+    pub object_from_instance: DMat4,
+    /// The same in the frame before, for motion vectors. `None`: as now.
+    pub previous_object_from_instance: Option<DMat4>,
 }
 
 /// The GPU's side of a hair.
@@ -69,12 +85,23 @@ pub(crate) struct Geometry {
     strands: Strands,
     order: Vec<u32>,
     pieces: u32,
+    /// What moving hair keeps: its points as last packed, and as they were before, with their origin.
+    packed: Vec<Point>,
+    previous: Option<(Allocation, DVec3)>,
+    /// Whether the points have moved since the frame before.
+    moved: bool,
 }
 
 impl Hair {
     /// The strands as given.
     pub fn strands(&self) -> &Strands {
         &self.geometry.strands
+    }
+
+    /// Says that the points have not moved since the frame before, whatever [`crate::Renderer::update_points`] did then: their motion
+    /// is zero until the next update.
+    pub fn rest(&mut self) {
+        self.geometry.moved = false;
     }
 
     pub(crate) fn validate(&self, number: usize) -> Result<()> {
@@ -86,6 +113,32 @@ impl Hair {
             return invalid!(
                 "hair {number}: world_from_object cannot be inverted: its determinant is {determinant}"
             );
+        }
+        if let Some(matrix) = self.previous_world_from_object
+            && !matrix.is_finite()
+        {
+            return invalid!(
+                "hair {number}: previous_world_from_object has an element that is not finite"
+            );
+        }
+        if self.instances.len() > MAX_INSTANCES {
+            return invalid!(
+                "hair {number}: {} instances: a hair has at most {MAX_INSTANCES}",
+                self.instances.len()
+            );
+        }
+        for (at, instance) in self.instances.iter().enumerate() {
+            let determinant = instance.object_from_instance.determinant();
+            let previous = instance.previous_object_from_instance;
+            if !instance.object_from_instance.is_finite()
+                || determinant == 0.0
+                || !determinant.is_finite()
+                || previous.is_some_and(|matrix| !matrix.is_finite())
+            {
+                return invalid!(
+                    "hair {number}: instance {at} has a transform that is not finite or cannot be inverted"
+                );
+            }
         }
         if !(0.0..=1.0).contains(&self.opacity) {
             return invalid!(
@@ -152,6 +205,9 @@ impl Geometry {
             strands: strands.clone(),
             order,
             pieces,
+            packed: Vec::new(),
+            previous: None,
+            moved: false,
         })
     }
 
@@ -160,13 +216,33 @@ impl Geometry {
         let mut strands = self.strands.clone();
         strands.set_points(points)?;
         let packed = pack(&strands, &self.order, self.pieces, run_limit(gpu))?;
+        if self.previous.is_none() {
+            self.packed = pack(&self.strands, &self.order, self.pieces, run_limit(gpu))?.points;
+            let buffer = gpu.storage("pelage.geometry.previous_points", self.points.size())?;
+            self.previous = Some((buffer, self.origin));
+        }
+        if let Some((buffer, origin)) = &mut self.previous {
+            gpu.queue
+                .write_buffer(&buffer.buffer, 0, bytemuck::cast_slice(&self.packed));
+            *origin = self.origin;
+        }
         gpu.queue
             .write_buffer(&self.points.buffer, 0, bytemuck::cast_slice(&packed.points));
+        self.packed = packed.points;
+        self.moved = true;
         self.origin = packed.origin;
         self.half_extent = packed.half_extent;
         self.length = packed.length;
         self.strands = strands;
         Ok(())
+    }
+}
+
+impl Geometry {
+    /// The points of the frame before and their origin, where they have moved.
+    pub fn previous(&self) -> Option<(&Allocation, DVec3)> {
+        let (buffer, origin) = self.previous.as_ref()?;
+        self.moved.then_some((buffer, *origin))
     }
 }
 
@@ -354,6 +430,30 @@ fn pad(packed: &mut Packed) {
             coordinate: 0.0,
         });
     }
+}
+
+/// Records each point's motion and whose it is, where an output asks for it.
+pub(crate) fn track(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
+    if !plan.tracked {
+        return Ok(());
+    }
+    let label = "pelage.geometry.track";
+    let groups = [Group::Frame, Group::Track];
+    let pipeline = gpu.compute(PipelineKey::new(label), "track", &groups, || {
+        Module::new(&["common/track"])
+    })?;
+    passes.compute(label, |pass| {
+        pass.set_pipeline(&pipeline);
+        let drawings = &plan.bands[0].drawings;
+        for ((run, drawing), groups) in plan.runs.iter().zip(drawings).zip(bound.runs) {
+            let Some(group) = &groups.track else { continue };
+            pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
+            pass.set_bind_group(1, group, &[]);
+            let (x, y) = workgroups(run.run.count);
+            pass.dispatch_workgroups(x, y, 1);
+        }
+    });
+    Ok(())
 }
 
 /// Finds the farthest and the nearest depth of the host's opaque scene in each tile of the view.

@@ -46,6 +46,11 @@ pub struct Drawing {
     pub row_end: u32,
     pub segment_count: u32,
     pub front_shift: u32,
+    pub clip_from_object: [[f32; 4]; 4],
+    pub previous_clip_from_object: [[f32; 4]; 4],
+    pub jitter_motion: [f32; 2],
+    pub hair: u32,
+    pub padding_0: u32,
 }
 
 #[repr(C)]
@@ -90,6 +95,9 @@ pub struct Frame {
     pub run_points: u32,
     pub run_rows: u32,
     pub part_capacity: u32,
+    pub origin: [u32; 2],
+    pub padding_0: u32,
+    pub padding_1: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
 }
@@ -127,6 +135,14 @@ pub struct Point {
 pub struct PointAttributes {
     pub strand: u32,
     pub coordinate: f32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct PointOutput {
+    pub motion: [f32; 2],
+    pub hair: u32,
+    pub strand: u32,
 }
 
 #[repr(C)]

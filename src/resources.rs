@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, OVERFLOW_WORDS, Projected, SCAN_BLOCK};
+use crate::layout::{Counters, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::transparency::Transparency;
@@ -61,12 +61,16 @@ pub(crate) struct RunGroups {
     pub project: wgpu::BindGroup,
     pub segments: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
+    /// Where an output asks for it.
+    pub track: Option<wgpu::BindGroup>,
 }
 
 /// Bind groups of the pools.
 struct Groups {
     serials: Vec<u64>,
     generation: u64,
+    tracked: bool,
+    point_outputs: wgpu::BindGroup,
     runs: Vec<RunGroups>,
     host_tiles: wgpu::BindGroup,
     maps_written: wgpu::BindGroup,
@@ -86,6 +90,7 @@ pub(crate) struct Bound<'a> {
     pub pixels_written: &'a wgpu::BindGroup,
     pub pixels: &'a Pixels,
     pub pixels_read: &'a wgpu::BindGroup,
+    pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
     /// A copy of the counters, for the arguments in them.
     pub arguments: &'a wgpu::Buffer,
@@ -152,6 +157,7 @@ pub(crate) struct Returned {
 pub(crate) struct Resources {
     projected: Allocation,
     shaded: Allocation,
+    point_outputs: Allocation,
     host_tiles: Allocation,
     maps: Allocation,
     pixels: Pixels,
@@ -218,6 +224,7 @@ impl Resources {
         Ok(Self {
             projected: empty("pelage.geometry.projected")?,
             shaded: empty("pelage.shading.points")?,
+            point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
             pixels: Pixels {
@@ -281,7 +288,9 @@ impl Resources {
         }
         self.grow_attachment(gpu, plan);
         let key_matches = self.groups.as_ref().is_some_and(|groups| {
-            groups.generation == self.generation && groups.serials == plan.serials
+            groups.generation == self.generation
+                && groups.serials == plan.serials
+                && (groups.tracked || !plan.tracked)
         });
         if !key_matches {
             self.groups = Some(self.bind(gpu, frame, plan));
@@ -308,6 +317,15 @@ impl Resources {
             points * 8,
             generation,
         )?;
+        if plan.tracked {
+            grow(
+                gpu,
+                &mut self.point_outputs,
+                "pelage.geometry.point_outputs",
+                points * size_of::<PointOutput>() as u64,
+                generation,
+            )?;
+        }
         if plan.host_depth {
             let bytes = u64::from(plan.tile_count()) * 8;
             grow(
@@ -539,6 +557,22 @@ impl Resources {
                             self.shaded.binding(),
                         ],
                     ),
+                    track: plan.tracked.then(|| {
+                        let previous = match geometry.previous() {
+                            Some((buffer, _)) => part(buffer, first, count, 16),
+                            None => points(),
+                        };
+                        gpu.bind(
+                            "pelage.track",
+                            Group::Track,
+                            &[
+                                points(),
+                                previous,
+                                attributes(),
+                                self.point_outputs.binding(),
+                            ],
+                        )
+                    }),
                 }
             })
             .collect();
@@ -559,6 +593,12 @@ impl Resources {
         Groups {
             serials: plan.serials.clone(),
             generation: self.generation,
+            tracked: plan.tracked,
+            point_outputs: gpu.bind(
+                "pelage.point_outputs",
+                Group::PointOutputs,
+                &[self.point_outputs.binding()],
+            ),
             runs,
             host_tiles: gpu.bind(
                 "pelage.host_tiles",
@@ -645,6 +685,7 @@ impl Resources {
             maps_read: &groups.maps_read,
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
+            point_outputs: &groups.point_outputs,
             pixels: &self.pixels,
             attachment: self
                 .attachment

@@ -65,6 +65,13 @@ pub fn combinations() -> Vec<Combination> {
         let points = Module::new(look_up(shadowed)).and(&["shading/points", kajiya_kay::POINTS.1]);
         modules.push((format!("points, shadowed {shadowed}"), points));
     }
+    modules.push(("track".into(), Module::new(&["common/track"])));
+    for reverse in [false, true] {
+        modules.push((
+            format!("outputs_none {reverse}"),
+            Module::new(&["outputs_none"]).with("REVERSE_Z", Constant::Bool(reverse)),
+        ));
+    }
     modules.push((
         "prefix".into(),
         Module::new(&[
@@ -133,19 +140,21 @@ pub fn layouts() -> Vec<Layout> {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
-            segment_count, front_shift,
+            segment_count, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
+            padding_0,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
         }
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
         PointAttributes { strand, coordinate }
+        PointOutput { motion, hair, strand }
         Projected { position, depth, half_width, bisector, flags }
     }
 }

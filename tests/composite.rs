@@ -144,6 +144,7 @@ fn draw(
         clear: false,
         write_depth,
         receive_shadow,
+        ..Target::cleared(&held.colour)
     };
     let statistics = device.render(frame, &target).unwrap();
     (read(device, &held.colour), statistics)

@@ -34,6 +34,14 @@ struct Drawing {
     segment_count: u32,
     // Blocks of 1 << front_shift texels a side share one front.
     front_shift: u32,
+    // Clip space of this frame and of the one before, y up, from the object space of this frame's and that one's points.
+    clip_from_object: mat4x4f,
+    previous_clip_from_object: mat4x4f,
+    // How much of a point's motion is the views' jitter, in pixels.
+    jitter_motion: vec2f,
+    // The hair's place in the frame, and its instance in the upper 16 bits.
+    hair: u32,
+    padding_0: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -91,6 +99,10 @@ struct Frame {
     run_rows: u32,
     // Fragments that each of the pool's three parts holds.
     part_capacity: u32,
+    // The pixel of the target that the view begins at.
+    origin: vec2u,
+    padding_0: u32,
+    padding_1: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }
@@ -134,6 +146,13 @@ struct PointAttributes {
 const POINT_FIRST: u32 = 0x80000000u;
 const POINT_LAST: u32 = 0x40000000u;
 const POINT_STRAND: u32 = 0x3fffffffu;
+
+// What the outputs beside the colour say of a point: motion on the screen in pixels, and whose it is.
+struct PointOutput {
+    motion: vec2f,
+    hair: u32,
+    strand: u32,
+}
 
 // A point as a view or a light sees it: position in pixels, depth, half-width in pixels.
 struct Projected {

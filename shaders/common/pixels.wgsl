@@ -21,6 +21,20 @@ fn depth_of_key(key: u32) -> f32 {
     return bitcast<f32>(select(key, 0x3f800000u - key, pixels_reverse));
 }
 
+// The view's pixel of a fragment of the target.
+fn pixel_of(position: vec4f) -> vec2u {
+    return vec2u(position.xy) - frame.origin;
+}
+
+// What the outputs beside the colour ask of a pixel: key, point and place along the segment of its nearest fragment, with
+// 0xffffffff where there is none, and the opacity of all.
+struct Nearest {
+    key: u32,
+    point: u32,
+    along: f32,
+    opacity: f32,
+}
+
 // Number of a pixel among those that this pass treats.
 fn pixel_number(pixel: vec2u) -> u32 {
     return pixel.y * pixels_width + pixel.x - pixels_first;

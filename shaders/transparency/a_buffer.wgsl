@@ -226,3 +226,46 @@ fn a_buffer_next(first: u32, count: u32, key: u32, point: u32) -> Candidate {
     }
     return found;
 }
+
+fn nearest(pixel: vec2u) -> Nearest {
+    pixels_begin();
+    let number = pixel_number(pixel);
+    let first = a_buffer_first(number);
+    var near = Nearest(A_BUFFER_NONE, A_BUFFER_NONE, 0.0, 0.0);
+    // An integer sum, whatever the order of the fragments; from 2^31 on, an optical depth of 32,768, it stays.
+    var depth = 0u;
+    var node = first;
+    var place = first;
+    for (var i = 0u; i < A_BUFFER_STEPS; i++) {
+        if LISTS {
+            if node == 0u { break; }
+            place = node - 1u;
+            node = links[place];
+        } else {
+            if place >= links[number] { break; }
+        }
+        let key = a_buffer_word(place, 0u);
+        let point = a_buffer_word(place, 1u);
+        let value = a_buffer_value(place);
+        place += 1u;
+        if value.x == 0.0 { continue; }
+        depth = min(depth + u32(optical_depth(value.x) * OPTICAL_DEPTH_SCALE + 0.5), 0x80000000u);
+        if key < near.key || (key == near.key && point < near.point) {
+            near.key = key;
+            near.point = point;
+            near.along = value.y;
+        }
+    }
+    var transmittance = exp(-f32(depth) / OPTICAL_DEPTH_SCALE);
+    let overflowed = select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
+    if overflowed {
+        let tail = a_buffer_tail(number);
+        transmittance *= tail.w;
+        // Where nothing was stored, the depth that the tail begins at is all that is known.
+        if !LISTS && near.key == A_BUFFER_NONE && tail.w < 1.0 {
+            near.key = overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY];
+        }
+    }
+    near.opacity = 1.0 - transmittance;
+    return near;
+}

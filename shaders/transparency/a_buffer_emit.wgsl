@@ -32,8 +32,7 @@ var<private> a_buffer_capacity: u32;
 var<private> a_buffer_part: u32;
 
 fn emit_begin() -> bool {
-    pixels_begin();
-    emit_host_depth = (drawing.flags & DRAWING_HOST_DEPTH) != 0u;
+    emit_common_begin();
     a_buffer_culled = 0u;
     a_buffer_capacity = frame.capacity;
     a_buffer_part = frame.part_capacity;

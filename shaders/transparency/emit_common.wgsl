@@ -5,6 +5,13 @@
 const EMIT_COMPARES: bool = true;
 
 var<private> emit_host_depth: bool;
+var<private> emit_origin: vec2u;
+
+fn emit_common_begin() {
+    pixels_begin();
+    emit_host_depth = (drawing.flags & DRAWING_HOST_DEPTH) != 0u;
+    emit_origin = frame.origin;
+}
 
 fn fragment_in_range(fragment: Fragment) -> bool {
     return fragment.depth >= 0.0 && fragment.depth <= 1.0;
@@ -13,5 +20,5 @@ fn fragment_in_range(fragment: Fragment) -> bool {
 // Whether the host's opaque scene hides a fragment.
 fn fragment_hidden(pixel: vec2u, key: u32, compare: bool) -> bool {
     if !compare || !emit_host_depth { return false; }
-    return key >= depth_key(textureLoad(host_depth, pixel, 0));
+    return key >= depth_key(textureLoad(host_depth, pixel + emit_origin, 0));
 }

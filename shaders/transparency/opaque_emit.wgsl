@@ -18,8 +18,7 @@ var<private> opaque_culled: u32;
 fn emit_begin() -> bool {
     opaque_produced = 0u;
     opaque_culled = 0u;
-    pixels_begin();
-    emit_host_depth = (drawing.flags & DRAWING_HOST_DEPTH) != 0u;
+    emit_common_begin();
     return true;
 }
 

@@ -32,11 +32,11 @@ pub(super) fn record(
             _ => &[Group::Frame, Group::Segments, Group::PixelsWritten],
         },
         topology: wgpu::PrimitiveTopology::TriangleStrip,
-        target: wgpu::ColorTargetState {
+        targets: vec![Some(wgpu::ColorTargetState {
             format: ATTACHMENT,
             blend: None,
             write_mask: wgpu::ColorWrites::empty(),
-        },
+        })],
         depth_stencil: None,
     })?;
     let Some(view) = &bound.attachment else {
