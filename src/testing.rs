@@ -48,6 +48,14 @@ pub fn combinations() -> Vec<Combination> {
             format!("composite {name}"),
             resolve_module(&technique, 3).and(&["composite"]),
         ));
+        for tracked in [false, true] {
+            modules.push((
+                format!("outputs {name}, tracked {tracked}"),
+                resolve_module(&technique, 3)
+                    .and(&["outputs"])
+                    .with("TRACKED", Constant::Bool(tracked)),
+            ));
+        }
     }
     modules.push((
         "project".into(),
