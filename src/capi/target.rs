@@ -78,7 +78,8 @@ pub unsafe extern "C" fn pelage_target_create(
             |state| &mut state.targets,
             |state| {
                 state
-                    .offscreen
+                    .host
+                    .offscreen()?
                     .create_image(given.width, given.height, format, with_depth)
             },
         )?;
@@ -104,7 +105,7 @@ pub unsafe extern "C" fn pelage_target_write_colour(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let count = pixel_count(image);
             check_bytes::<[f32; 4]>("pixels", size, count, "the image takes")?;
             // SAFETY: the rule of the module `capi`.
@@ -124,7 +125,7 @@ pub unsafe extern "C" fn pelage_target_write_colour(
                 .iter()
                 .map(|pixel| Vec4::from_array(*pixel))
                 .collect();
-            offscreen.write_colour(&image.colour, &colours)
+            host.offscreen()?.write_colour(&image.colour, &colours)
         })
     })
 }
@@ -140,12 +141,12 @@ pub unsafe extern "C" fn pelage_target_write_depth(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let (depth, count) = (depth_of(image)?, pixel_count(image));
             check_bytes::<f32>("depths", size, count, "the image takes")?;
             // SAFETY: the rule of the module `capi`.
             let values = unsafe { slice("depths", depths, count as u64, count) }?;
-            offscreen.write_depth(depth, values)
+            host.offscreen()?.write_depth(depth, values)
         })
     })
 }
@@ -161,12 +162,12 @@ pub unsafe extern "C" fn pelage_target_read_colour(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let count = pixel_count(image);
             check_bytes::<[f32; 4]>("pixels", size, count, "the image has")?;
             // SAFETY: the rule of the module `capi`.
             let out = unsafe { outputs("pixels", pixels.cast::<[f32; 4]>(), count) }?;
-            let colours = offscreen.read_colour(&image.colour)?;
+            let colours = host.offscreen()?.read_colour(&image.colour)?;
             fill(out, colours.into_iter().map(Into::into));
             Ok(())
         })
@@ -184,12 +185,12 @@ pub unsafe extern "C" fn pelage_target_read_depth(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let (depth, count) = (depth_of(image)?, pixel_count(image));
             check_bytes::<f32>("depths", size, count, "the image has")?;
             // SAFETY: the rule of the module `capi`.
             let out = unsafe { outputs("depths", depths, count) }?;
-            fill(out, offscreen.read_depth(depth)?);
+            fill(out, host.offscreen()?.read_depth(depth)?);
             Ok(())
         })
     })

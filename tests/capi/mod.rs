@@ -7,5 +7,6 @@ mod header;
 mod pointers;
 mod programs;
 mod rendering;
+mod spirv;
 mod support;
 mod threads;
