@@ -10,3 +10,4 @@ mod rendering;
 mod spirv;
 mod support;
 mod threads;
+mod vulkan;

@@ -268,7 +268,7 @@ impl Vulkan {
     fn alive(&self) -> Result<()> {
         match self.lost.get() {
             None => Ok(()),
-            Some(reason) => Err(Error::DeviceLost(reason.clone())),
+            Some(reason) => Err(lost_before(reason)),
         }
     }
 
@@ -333,10 +333,19 @@ impl Errors {
 /// The error of the call in which the device was lost: wgpu gives devices up where memory fails in the wrong place.
 fn lost_just_now(reason: &str) -> Error {
     if reason == wgpu::hal::DeviceError::OutOfMemory.to_string() {
-        Error::OutOfMemory(format!("{reason} (the context is dead; destroy it)"))
+        Error::OutOfMemory("the driver has no memory left; the context is dead".into())
     } else {
-        Error::DeviceLost(reason.into())
+        lost_before(reason)
     }
+}
+
+/// The error of every later call.
+fn lost_before(reason: &str) -> Error {
+    Error::DeviceLost(if reason == wgpu::hal::DeviceError::Lost.to_string() {
+        "the driver has given it up".into()
+    } else {
+        reason.to_string()
+    })
 }
 
 fn gone() -> Error {
