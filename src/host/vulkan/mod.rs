@@ -159,13 +159,14 @@ impl Vulkan {
         }
         let device = self.renderer.as_ref().ok_or_else(gone)?.device().clone();
         let errors = Errors::watch(&device);
-        // SAFETY: the host's promise is passed on.
+        let record = |(number, view): (usize, &View)| {
+            // SAFETY: the host's promise is passed on.
+            unsafe { self.record(view) }.map_err(|error| about(number, error))
+        };
         let recorded = views
             .iter()
             .enumerate()
-            .map(|(number, view)| {
-                unsafe { self.record(view) }.map_err(|error| about(number, error))
-            })
+            .map(record)
             .collect::<Result<Vec<_>>>();
         let found = errors.take();
         let recorded = self.settle(recorded, found)?;
@@ -180,15 +181,15 @@ impl Vulkan {
     unsafe fn record(&mut self, view: &View) -> Result<[wgpu::CommandBuffer; 3]> {
         let renderer = self.renderer.as_mut().ok_or_else(gone)?;
         let device = renderer.device().clone();
-        // SAFETY: the host's images are what they are said to be.
-        let colour = unsafe { Wrapped::new(&device, view.colour, Aspect::Colour, &self.formats) }?;
-        // SAFETY: as above.
-        let depth = match view.depth {
-            Some(image) => {
-                Some(unsafe { Wrapped::new(&device, image, Aspect::Depth, &self.formats) }?)
-            }
-            None => None,
+        let wrap = |image, aspect| {
+            // SAFETY: the host's images are what they are said to be.
+            unsafe { Wrapped::new(&device, image, aspect, &self.formats) }
         };
+        let colour = wrap(view.colour, Aspect::Colour)?;
+        let depth = view
+            .depth
+            .map(|image| wrap(image, Aspect::Depth))
+            .transpose()?;
         let images = || [Some(&colour), depth.as_ref()].into_iter().flatten();
 
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
