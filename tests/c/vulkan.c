@@ -4,6 +4,7 @@
  *
  *     compare     pictures on the host's device and on one of the library's own are equal
  *     formats     every format of colour and depth, many layouts, binary semaphores
+ *     backlog     frames that wait for the host, and more of them than there may be
  *     refusals    what is wrong is refused with a sentence
  *     short       physical devices that fall short
  *     lock        the queue is used with the host's lock held, by two contexts on two threads
@@ -19,6 +20,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -744,11 +746,6 @@ static void formats(void) {
         TRUE(furthest <= 1e-4f);
     }
 
-    /* More frames than are on their way at once: later ones wait for the first, and all are drawn. */
-    left.image.layout_in = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    for (int number = 0; number < 30; number++) {
-        OK(render(context, views, 1));
-    }
     OK(pelage_wait(context));
     destroy_texture(&left);
     destroy_texture(&right);
@@ -757,6 +754,55 @@ static void formats(void) {
     vkDestroySemaphore(the_device, after, NULL);
     OK(pelage_context_destroy(own));
     OK(pelage_context_destroy(context));
+}
+
+static VkSemaphore gate;
+
+static void *open_gate(void *user) {
+    const struct timespec while_ = { 0, 300000000 };
+    nanosleep(&while_, NULL);
+    VkSemaphoreSignalInfo info = { VK_STRUCTURE_TYPE_SEMAPHORE_SIGNAL_INFO, NULL, gate, 1 };
+    VK(vkSignalSemaphore(the_device, &info));
+    return user;
+}
+
+/* Eight frames wait for the host; the ninth call waits for them, and goes on when they are through. */
+static void backlog(void) {
+    VkSemaphoreTypeCreateInfo kind = { VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO, NULL, VK_SEMAPHORE_TYPE_TIMELINE, 0 };
+    VkSemaphoreCreateInfo info = { VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &kind, 0 };
+    VK(vkCreateSemaphore(the_device, &info, NULL, &gate));
+    PelageContext context = open_context();
+    struct Scene scene;
+    make_scene(&scene, context, 60, 0);
+    struct Texture colour = make_texture(VK_FORMAT_R16G16B16A16_SFLOAT, SIDE, SIDE);
+    colour.image.layout_in = VK_IMAGE_LAYOUT_UNDEFINED;
+    PelageVulkanView view = view_of(&scene, &colour, NULL, PELAGE_RENDER_CLEAR);
+    PelageVulkanSemaphore wait = PELAGE_VULKAN_SEMAPHORE_INIT;
+    wait.kind = PELAGE_VULKAN_SEMAPHORE_TIMELINE;
+    wait.semaphore = gate;
+    wait.value = 1;
+    PelageVulkanSubmit submission = PELAGE_VULKAN_SUBMIT_INIT;
+    submission.views = &view;
+    submission.waits = &wait;
+    submission.view_count = submission.wait_count = 1;
+    for (int number = 0; number < 8; number++) {
+        OK(pelage_vulkan_render(context, &submission));
+    }
+    uint64_t value = 1;
+    VK(vkGetSemaphoreCounterValue(the_device, gate, &value));
+    TRUE(value == 0); /* so far, no call has waited */
+    pthread_t thread;
+    pthread_create(&thread, NULL, open_gate, NULL);
+    for (int number = 0; number < 30; number++) {
+        OK(render(context, &view, 1));
+    }
+    VK(vkGetSemaphoreCounterValue(the_device, gate, &value));
+    TRUE(value == 1);
+    pthread_join(thread, NULL);
+    OK(pelage_wait(context));
+    OK(pelage_context_destroy(context));
+    destroy_texture(&colour);
+    vkDestroySemaphore(the_device, gate, NULL);
 }
 
 /* A copy of the submission of one view, with one thing changed. */
@@ -1071,7 +1117,7 @@ static void hazard(void) {
 int main(int argc, char **argv) {
     const char *what = argc > 1 ? argv[1] : "";
     static const struct { const char *name; void (*run)(void); } runs[] = {
-        { "compare", compare }, { "formats", formats }, { "refusals", refusals }, { "short", short_devices },
+        { "compare", compare }, { "formats", formats }, { "backlog", backlog }, { "refusals", refusals }, { "short", short_devices },
         { "lock", locks }, { "lost", lost }, { "hazard", hazard },
     };
     int ran = 0;
