@@ -73,7 +73,7 @@ fn every_format_and_layout_is_drawn_into_and_several_views_at_once() {
 }
 
 #[test]
-fn frames_are_in_flight_without_a_stall_until_there_are_too_many() {
+fn eight_frames_are_handed_over_without_a_wait_and_the_ninth_waits() {
     goes_right(&["backlog"]);
 }
 
