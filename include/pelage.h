@@ -23,6 +23,36 @@
 
 #include <stddef.h>
 #include <stdint.h>
+/*
+ * Vulkan's handles. With PELAGE_VULKAN defined they are those of <vulkan/vulkan.h>; without it this header needs nothing of
+ * Vulkan's, and they are what they are in memory: pointers, and 64-bit numbers for images and semaphores. Either way a
+ * program is the same to the library.
+ */
+#ifdef PELAGE_VULKAN
+#include <vulkan/vulkan.h>
+typedef VkInstance PelageVkInstance;
+typedef VkPhysicalDevice PelageVkPhysicalDevice;
+typedef VkDevice PelageVkDevice;
+typedef VkImage PelageVkImage;
+typedef VkSemaphore PelageVkSemaphore;
+typedef VkPhysicalDeviceFeatures2 PelageVkFeatures;
+typedef PFN_vkGetInstanceProcAddr PelageVkGetInstanceProcAddr;
+#else
+#if defined(_WIN32)
+#define PELAGE_VKAPI __stdcall
+#else
+#define PELAGE_VKAPI
+#endif
+typedef void *PelageVkInstance;
+typedef void *PelageVkPhysicalDevice;
+typedef void *PelageVkDevice;
+typedef uint64_t PelageVkImage;
+typedef uint64_t PelageVkSemaphore;
+typedef void PelageVkFeatures;
+typedef void (PELAGE_VKAPI *PelageVkFunction)(void);
+typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *instance, const char *name);
+#endif
+
 
 // Major version of the header's library.
 #define PELAGE_VERSION_MAJOR 0
@@ -191,6 +221,24 @@
 
 // Bytes of a label, its NUL included.
 #define PELAGE_LABEL_SIZE 96
+
+// The most extensions that are required of a device.
+#define PELAGE_VULKAN_MAX_EXTENSIONS 8
+
+// Words in which appended structs of features live.
+#define PELAGE_VULKAN_FEATURE_STORAGE 128
+
+// A binary semaphore.
+#define PELAGE_VULKAN_SEMAPHORE_BINARY 0
+
+// A timeline semaphore.
+#define PELAGE_VULKAN_SEMAPHORE_TIMELINE 1
+
+// The most views of one submission.
+#define PELAGE_VULKAN_MAX_VIEWS 8
+
+// The most semaphores to wait on, and the most to signal.
+#define PELAGE_VULKAN_MAX_SEMAPHORES 64
 
 // What a call returns: `PELAGE_OK`, or what went wrong. After an error nothing has changed, and `pelage_last_error`
 // says in one sentence what was wrong with which value.
@@ -561,6 +609,146 @@ typedef struct PelagePassTime {
     double ms;
 } PelagePassTime;
 
+// The host's instance of Vulkan.
+typedef struct PelageVulkanInstance {
+    // `sizeof(PelageVulkanInstance)`.
+    uint32_t struct_size;
+    // The `apiVersion` of the `VkApplicationInfo` that it was made with: `VK_API_VERSION_1_3` or newer. No extension of
+    // the instance is needed.
+    uint32_t api_version;
+    // `VkInstance`.
+    PelageVkInstance instance;
+    // `vkGetInstanceProcAddr`: every function of Vulkan is asked of it.
+    PelageVkGetInstanceProcAddr get_instance_proc_addr;
+    // 1: the instance was made with `VK_EXT_debug_utils`, and passes shall bear their labels in GPU debuggers.
+    uint32_t debug_utils;
+    // 0.
+    uint32_t reserved;
+} PelageVulkanInstance;
+
+// What a device must be made with. It holds structs that `features` points to: do not copy or move it before the device
+// has been made.
+typedef struct PelageVulkanRequirements {
+    // `sizeof(PelageVulkanRequirements)`.
+    uint32_t struct_size;
+    // `VkQueueFlags` that the family of the queue must have: graphics and compute.
+    uint32_t queue_flags;
+    // Given: the host's own features, a `VkPhysicalDeviceFeatures2` with its chain, or NULL for none. Set: the same, to be
+    // put into `VkDeviceCreateInfo.pNext` (with `pEnabledFeatures` NULL); what pelage requires has been set in the host's
+    // structs, and what they have no place for appended to their chain. What the host has set is kept.
+    PelageVkFeatures *features;
+    // Extensions that the device must be made with beside the host's own: `device_extension_count` names, valid for ever.
+    const char *device_extensions[PELAGE_VULKAN_MAX_EXTENSIONS];
+    // How many there are.
+    uint32_t device_extension_count;
+    // 0.
+    uint32_t reserved;
+    // Where what is appended lives.
+    uint64_t storage[PELAGE_VULKAN_FEATURE_STORAGE];
+} PelageVulkanRequirements;
+
+// Locks the host's queue, or unlocks it; `user` is what was given with the callback. It must return: no exception, no
+// longjmp. It must not call the library.
+typedef void (*PelageVulkanLockCallback)(void *user);
+
+// The host's device, and the queue that pelage submits to.
+typedef struct PelageVulkanDevice {
+    // `sizeof(PelageVulkanDevice)`.
+    uint32_t struct_size;
+    // The family of the queue; the images' own family too.
+    uint32_t queue_family;
+    // The queue's number within its family, as `vkGetDeviceQueue` takes it.
+    uint32_t queue_index;
+    // The number of extensions.
+    uint32_t extension_count;
+    // The extensions that the device was made with: those that were required, at least.
+    const char *const *extensions;
+    // The instance. Not NULL.
+    const struct PelageVulkanInstance *instance;
+    // `VkPhysicalDevice`, one of the instance's.
+    PelageVkPhysicalDevice physical_device;
+    // `VkDevice`, made with what `pelage_vulkan_requirements` has said.
+    PelageVkDevice device;
+    // Called before the queue is used, on the thread that called the library, by `pelage_vulkan_render` and
+    // `pelage_context_destroy` alone. NULL where no other thread uses the queue at the same time.
+    PelageVulkanLockCallback lock;
+    // Called after it. NULL if `lock` is.
+    PelageVulkanLockCallback unlock;
+    // Given to both.
+    void *lock_user;
+    // Bytes of GPU memory that the context may take; 0 for no limit.
+    uint64_t byte_budget;
+} PelageVulkanDevice;
+
+// An image of the host's: 2D, of which the first layer and the first mip level are used.
+typedef struct PelageVulkanImage {
+    // `sizeof(PelageVulkanImage)`.
+    uint32_t struct_size;
+    // `VkFormat`, as the image was made.
+    uint32_t format;
+    // `VkImage`.
+    PelageVkImage image;
+    // Width in pixels.
+    uint32_t width;
+    // Height in pixels.
+    uint32_t height;
+    // `VkImageUsageFlags`, as the image was made. A colour needs `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`, a depth
+    // `VK_IMAGE_USAGE_SAMPLED_BIT`, and `VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT` where it is written.
+    uint32_t usage;
+    // `VkSampleCountFlagBits`, as the image was made: 1. An image of several samples is refused.
+    uint32_t samples;
+    // `VkImageLayout` in which the image is when the submission begins. `VK_IMAGE_LAYOUT_UNDEFINED`: what it holds is lost,
+    // which only a colour that is cleared takes.
+    uint32_t layout_in;
+    // `VkImageLayout` in which the submission leaves it.
+    uint32_t layout_out;
+} PelageVulkanImage;
+
+// One view of a submission: a frame, and the images that it goes into.
+typedef struct PelageVulkanView {
+    // `sizeof(PelageVulkanView)`.
+    uint32_t struct_size;
+    // Any of `PELAGE_RENDER_...`, or 0.
+    uint32_t flags;
+    // What is drawn. Not NULL.
+    const struct PelageFrame *frame;
+    // Hair is blended over what it holds, premultiplied. Not NULL.
+    const struct PelageVulkanImage *colour;
+    // The opaque scene's depth, of the colour's size: it hides hair. NULL for none.
+    const struct PelageVulkanImage *depth;
+} PelageVulkanView;
+
+// A semaphore to wait on, or to signal.
+typedef struct PelageVulkanSemaphore {
+    // `sizeof(PelageVulkanSemaphore)`.
+    uint32_t struct_size;
+    // `PELAGE_VULKAN_SEMAPHORE_...`, as it was made.
+    uint32_t kind;
+    // `VkSemaphore`.
+    PelageVkSemaphore semaphore;
+    // The value of a timeline semaphore; 0 for a binary one.
+    uint64_t value;
+} PelageVulkanSemaphore;
+
+// One submission to the host's queue. Read during the call only.
+typedef struct PelageVulkanSubmit {
+    // `sizeof(PelageVulkanSubmit)`.
+    uint32_t struct_size;
+    // The number of views, at most `PELAGE_VULKAN_MAX_VIEWS`; 0 for a submission of semaphores alone.
+    uint32_t view_count;
+    // The views, drawn one after another. Where one image is in several, a view finds it in the layout in which the one
+    // before has left it.
+    const struct PelageVulkanView *views;
+    // The semaphores that the submission waits on, before any of its commands.
+    const struct PelageVulkanSemaphore *waits;
+    // The semaphores that it signals, after all of its commands.
+    const struct PelageVulkanSemaphore *signals;
+    // The number of semaphores to wait on, at most `PELAGE_VULKAN_MAX_SEMAPHORES`.
+    uint32_t wait_count;
+    // The number of semaphores to signal, likewise.
+    uint32_t signal_count;
+} PelageVulkanSubmit;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -833,6 +1021,41 @@ PelageResult pelage_pass_times(struct PelageContext context,
                                struct PelagePassTime *entries,
                                uint64_t *count);
 
+// Says whether pelage runs on a physical device, and what a `VkDevice` of it must be made with. Call it before the device
+// is made, with `*requirements` begun with `PELAGE_VULKAN_REQUIREMENTS_INIT` and its `features` set to the host's own.
+//
+// `PELAGE_OK` is the yes. `PELAGE_UNSUPPORTED` is the no, and `pelage_last_error` the reason.
+//
+// Errors: a handle that is NULL or does not belong to the instance.
+PelageResult pelage_vulkan_requirements(const struct PelageVulkanInstance *instance,
+                                        PelageVkPhysicalDevice physical_device,
+                                        struct PelageVulkanRequirements *requirements);
+
+// Makes a context on the host's device, which `*context` receives. All functions but those of targets, readbacks and
+// `pelage_render` serve it; `pelage_vulkan_render` draws. Several contexts may share a device and a queue.
+//
+// The host keeps the instance and the device until the context has been destroyed. Nothing of the host's is destroyed.
+//
+// Errors: a handle that is NULL or does not belong to the others; a queue that is not there; an extension that is required
+// and missing; a device that falls short (`PELAGE_UNSUPPORTED`); no memory.
+PelageResult pelage_vulkan_context_create(const struct PelageVulkanDevice *device,
+                                          struct PelageContext *context);
+
+// Records views of hair into the host's images and submits them to the host's queue, all at once. Does not wait for the
+// GPU, unless more than `PELAGE_VULKAN_MAX_VIEWS` views of the context are on their way.
+//
+// In the queue's order a full barrier stands before the commands of each view and after them: what the host submits to the
+// same queue before or after needs no semaphore. Images stay valid until the GPU is done with the submission.
+//
+// Do not hold what `lock` locks. Wait for what has been submitted already, or is signalled by another thread: drivers may
+// block within `vkQueueSubmit` as long as an earlier submission cannot begin.
+//
+// Errors: an image that cannot be drawn into; all of `pelage_render`'s; a context with a device of its own
+// (`PELAGE_UNSUPPORTED`). Nothing is then submitted, and no semaphore waited on or signalled. `PELAGE_DEVICE_LOST`, or
+// `PELAGE_OUT_OF_MEMORY` from the driver at the submission: the context is dead; destroy it.
+PelageResult pelage_vulkan_render(struct PelageContext context,
+                                  const struct PelageVulkanSubmit *submit);
+
 /* What structs begin with. */
 #define PELAGE_CONTEXT_DESCRIPTOR_INIT { sizeof(PelageContextDescriptor), 0, 0, 0, 0 }
 #define PELAGE_ADAPTER_INIT { sizeof(PelageAdapter), 0, { 0 }, { 0 } }
@@ -853,6 +1076,13 @@ PelageResult pelage_pass_times(struct PelageContext context,
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_TARGET_DESCRIPTOR_INIT { sizeof(PelageTargetDescriptor), 0, 0, 0, 0, 0 }
 #define PELAGE_STATISTICS_INIT { sizeof(PelageStatistics), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+#define PELAGE_VULKAN_INSTANCE_INIT { sizeof(PelageVulkanInstance), 0, NULL, NULL, 0, 0 }
+#define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }
+#define PELAGE_VULKAN_DEVICE_INIT { sizeof(PelageVulkanDevice), 0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0 }
+#define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0 }
+#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL }
+#define PELAGE_VULKAN_SEMAPHORE_INIT { sizeof(PelageVulkanSemaphore), 0, 0, 0 }
+#define PELAGE_VULKAN_SUBMIT_INIT { sizeof(PelageVulkanSubmit), 0, NULL, NULL, NULL, 0, 0 }
 
 #ifdef __cplusplus
 }  // extern "C"

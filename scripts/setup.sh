@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes sure that what pelage needs beside cargo is there: a C and C++ compiler, and a Vulkan driver (Mesa's software
-# one where there is no other). With --test also that software driver itself and the validation layer, as tests run on
-# them. Installs what is missing where it may (root or passwordless sudo, and apt-get); otherwise says what to install.
+# one where there is no other). With --test also that software driver itself, the validation layer and Vulkan's headers, as
+# tests run on them. Installs what is missing where it may (root or passwordless sudo, and apt-get); otherwise says what to install.
 set -euo pipefail
 
 manifest() { compgen -G "/usr/share/vulkan/$1" || compgen -G "/usr/local/share/vulkan/$1" || compgen -G "/etc/vulkan/$1"; }
@@ -12,6 +12,8 @@ command -v cc >/dev/null && command -v c++ >/dev/null || missing+=(build-essenti
 if [ "${1:-}" = --test ]; then
     manifest 'icd.d/lvp_icd*.json' >/dev/null || missing+=(mesa-vulkan-drivers)
     manifest 'explicit_layer.d/VkLayer_khronos_validation.json' >/dev/null || missing+=(vulkan-validationlayers)
+    # C programs with a Vulkan device of their own.
+    echo '#include <vulkan/vulkan.h>' | cc -fsyntax-only -x c - 2>/dev/null || missing+=(libvulkan-dev)
 else
     [ -n "${VK_DRIVER_FILES:-${VK_ICD_FILENAMES:-}}" ] || manifest 'icd.d/*.json' >/dev/null || missing+=(mesa-vulkan-drivers)
 fi

@@ -233,28 +233,34 @@ pub(crate) struct Gpu {
     ledger: Arc<Mutex<Ledger>>,
 }
 
+/// Checks what every shader of the library takes for granted.
+pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<()> {
+    for (name, has, needs) in [
+        ("bind groups", limits.max_bind_groups, 4),
+        (
+            "storage buffers a stage",
+            limits.max_storage_buffers_per_shader_stage,
+            10,
+        ),
+        (
+            "invocations a workgroup",
+            limits.max_compute_invocations_per_workgroup,
+            256,
+        ),
+    ] {
+        if has < needs {
+            return Err(Error::Unsupported(format!(
+                "the device allows {has} {name}; pelage needs {needs}"
+            )));
+        }
+    }
+    Ok(())
+}
+
 impl Gpu {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let limits = device.limits();
-        for (name, has, needs) in [
-            ("bind groups", limits.max_bind_groups, 4),
-            (
-                "storage buffers a stage",
-                limits.max_storage_buffers_per_shader_stage,
-                10,
-            ),
-            (
-                "invocations a workgroup",
-                limits.max_compute_invocations_per_workgroup,
-                256,
-            ),
-        ] {
-            if has < needs {
-                return Err(Error::Unsupported(format!(
-                    "the device allows {has} {name}; pelage needs {needs}"
-                )));
-            }
-        }
+        check_limits(&limits)?;
         let layouts = GROUPS
             .into_iter()
             .map(|group| {

@@ -104,6 +104,8 @@ impl Renderer {
         self.collect();
         if self.resources.next_slot_busy() {
             self.wait()?;
+            // What has arrived meanwhile is still mapped.
+            self.collect();
             if self.resources.next_slot_busy() {
                 return Err(Error::InvalidValue(
                     "eight frames have been recorded and none of them submitted; submit before recording more".into(),

@@ -709,12 +709,11 @@ impl Resources {
     pub fn read_counters(&self, passes: &mut Passes) {
         let slot = &self.slots[self.slot];
         slot.state.store(PENDING, Ordering::Release);
-        let state = slot.state.clone();
+        let arrival = Arrival(slot.state.clone());
         let arrived = move |result: std::result::Result<(), wgpu::BufferAsyncError>| {
-            state.store(
-                if result.is_ok() { ARRIVED } else { FAILED },
-                Ordering::Release,
-            );
+            if result.is_ok() {
+                arrival.0.store(ARRIVED, Ordering::Release);
+            }
         };
         passes.encode("pelage.counters", |encoder| {
             encoder.map_buffer_on_submit(&slot.counters.buffer, wgpu::MapMode::Read, .., arrived);
@@ -749,6 +748,17 @@ impl Resources {
             self.needed = returned.needed;
         }
         newest
+    }
+}
+
+/// Counters on their way. Where they never set out, since the frame was not submitted, dropping this says so.
+struct Arrival(Arc<AtomicU8>);
+
+impl Drop for Arrival {
+    fn drop(&mut self) {
+        let (order, seen) = (Ordering::AcqRel, Ordering::Acquire);
+        // An error is no failure: they have arrived.
+        self.0.compare_exchange(PENDING, FAILED, order, seen).ok();
     }
 }
 

@@ -1,11 +1,11 @@
-//! Contexts: a device of the library's own, without a window.
+//! Contexts on a device of the library's own, without a window; what all contexts have in common.
 
 use std::ffi::c_char;
 
 use super::descriptor::{self, descriptor};
 use super::error::{PelageResult, guard};
 use super::input::{flag, output, reserved};
-use super::registry::PelageContext;
+use super::registry::{Host, PelageContext};
 use super::statistics::copy_text;
 use crate::host::offscreen::{Offscreen, OffscreenOptions};
 
@@ -98,7 +98,9 @@ pub unsafe extern "C" fn pelage_context_create(
         offscreen
             .renderer
             .set_byte_budget((given.byte_budget > 0).then_some(given.byte_budget));
-        context.write(PelageContext::register(offscreen));
+        context.write(PelageContext::register(Host::Offscreen(Box::new(
+            offscreen,
+        ))));
         Ok(())
     })
 }
@@ -119,7 +121,7 @@ pub unsafe extern "C" fn pelage_context_adapter(
     guard(|| {
         let mut value = PelageAdapter::default();
         context.with(|state| {
-            let info = state.offscreen.adapter_info();
+            let info = state.host.adapter_info();
             value.software = u32::from(info.device_type == wgpu::DeviceType::Cpu);
             copy_text(&info.name, &mut value.name);
             copy_text(
@@ -141,11 +143,10 @@ pub extern "C" fn pelage_context_set_byte_budget(
 ) -> PelageResult {
     guard(|| {
         context.with(|state| {
-            state
-                .offscreen
-                .renderer
-                .set_byte_budget((bytes > 0).then_some(bytes));
-            Ok(())
+            state.host.with_renderer(|renderer| {
+                renderer.set_byte_budget((bytes > 0).then_some(bytes));
+                Ok(())
+            })
         })
     })
 }
@@ -155,5 +156,5 @@ pub extern "C" fn pelage_context_set_byte_budget(
 /// Errors: `PELAGE_DEVICE_LOST`.
 #[unsafe(no_mangle)]
 pub extern "C" fn pelage_wait(context: PelageContext) -> PelageResult {
-    guard(|| context.with(|state| state.offscreen.renderer.wait()))
+    guard(|| context.with(|state| state.host.with_renderer(|renderer| renderer.wait())))
 }

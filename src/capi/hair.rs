@@ -7,7 +7,7 @@ use glam::DMat4;
 use super::descriptor::{self, descriptor};
 use super::error::{PelageResult, guard};
 use super::input::{array, check_bytes, fill, output, outputs, slice};
-use super::registry::{Kind, PelageContext, PelageHair};
+use super::registry::{Kind, PelageContext, PelageHair, State};
 use super::settings::{self, PelageShading, PelageShadow, PelageTransparency};
 use super::strands::{
     PelageClumpSettings, PelageInterpolationSettings, PelageStrands, check_radius, clumped, curve,
@@ -107,8 +107,11 @@ unsafe fn create(
         // SAFETY: the rule of the module `capi`.
         let hair = unsafe { output("hair", hair) }?;
         let strands = strands()?;
-        let upload =
-            |state: &mut super::registry::State| state.offscreen.renderer.create_hair(&strands);
+        let upload = |state: &mut State| {
+            state
+                .host
+                .with_renderer(|renderer| renderer.create_hair(&strands))
+        };
         hair.write(PelageHair {
             id: context.make(Kind::Hair, |state| &mut state.hairs, upload)?,
         });
@@ -289,7 +292,7 @@ pub unsafe extern "C" fn pelage_hair_update_points(
                 MAX_POINTS,
             )
         }?;
-        hair.with(|hair, offscreen| offscreen.renderer.update_points(hair, points))
+        hair.with(|hair, host| host.with_renderer(|renderer| renderer.update_points(hair, points)))
     })
 }
 

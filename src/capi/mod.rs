@@ -38,6 +38,8 @@ mod render;
 
 mod statistics;
 
+mod vulkan;
+
 pub use context::*;
 pub use error::*;
 pub use frame::*;
@@ -51,3 +53,4 @@ pub use statistics::*;
 pub use strands::*;
 pub use target::*;
 pub use version::*;
+pub use vulkan::*;

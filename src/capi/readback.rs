@@ -54,7 +54,7 @@ pub unsafe extern "C" fn pelage_readback_poll(
     guard(|| {
         // SAFETY: the rule of the module `capi`.
         let arrived = unsafe { output("arrived", arrived) }?;
-        let has = readback.with(|readback, offscreen| offscreen.poll_read(readback))?;
+        let has = readback.with(|readback, host| host.offscreen()?.poll_read(readback))?;
         arrived.write(u32::from(has));
         Ok(())
     })
@@ -71,7 +71,8 @@ pub unsafe extern "C" fn pelage_readback_copy(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        readback.with(|readback, offscreen| {
+        readback.with(|readback, host| {
+            let offscreen = host.offscreen()?;
             let (width, height) = readback.size();
             let depth = readback.format().has_depth_aspect();
             let count = width as usize * height as usize * if depth { 1 } else { 4 };

@@ -15,6 +15,8 @@ use crate::error::{Error, Result};
 use crate::geometry::Hair;
 use crate::host::Readback;
 use crate::host::offscreen::{Image, Offscreen};
+use crate::host::vulkan::Vulkan;
+use crate::renderer::Renderer;
 use crate::statistics::PassTime;
 
 /// A device with everything made on it. All zero: no context.
@@ -78,9 +80,54 @@ impl Kind {
     }
 }
 
+/// Whose device a context is on.
+pub(super) enum Host {
+    Offscreen(Box<Offscreen>),
+    Vulkan(Box<Vulkan>),
+}
+
+impl Host {
+    /// Runs `call` on the renderer, unless the device is lost.
+    pub fn with_renderer<T>(&mut self, call: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
+        match self {
+            Self::Offscreen(offscreen) => call(&mut offscreen.renderer),
+            Self::Vulkan(vulkan) => vulkan.with_renderer(call),
+        }
+    }
+
+    pub fn adapter_info(&self) -> &wgpu::AdapterInfo {
+        match self {
+            Self::Offscreen(offscreen) => offscreen.adapter_info(),
+            Self::Vulkan(vulkan) => vulkan.adapter_info(),
+        }
+    }
+
+    /// The library's own device, which alone has targets.
+    pub fn offscreen(&mut self) -> Result<&mut Offscreen> {
+        match self {
+            Self::Offscreen(offscreen) => Ok(offscreen),
+            Self::Vulkan(_) => Err(Error::Unsupported(
+                "this context is on the host's Vulkan device, and draws into the host's images by pelage_vulkan_render"
+                    .into(),
+            )),
+        }
+    }
+
+    /// The host's device.
+    pub fn vulkan(&mut self) -> Result<&mut Vulkan> {
+        match self {
+            Self::Vulkan(vulkan) => Ok(vulkan),
+            Self::Offscreen(_) => Err(Error::Unsupported(
+                "this context has a device of its own, and draws into its targets by pelage_render"
+                    .into(),
+            )),
+        }
+    }
+}
+
 /// What one context holds.
 pub(super) struct State {
-    pub offscreen: Offscreen,
+    pub host: Host,
     pub hairs: BTreeMap<u64, Hair>,
     pub targets: BTreeMap<u64, Image>,
     pub readbacks: BTreeMap<u64, Readback>,
@@ -176,9 +223,9 @@ fn add<T>(
 
 impl PelageContext {
     /// Registers a new context.
-    pub(super) fn register(offscreen: Offscreen) -> Self {
+    pub(super) fn register(host: Host) -> Self {
         let state = State {
-            offscreen,
+            host,
             hairs: BTreeMap::new(),
             targets: BTreeMap::new(),
             readbacks: BTreeMap::new(),
@@ -259,7 +306,7 @@ impl PelageTarget {
     /// Sends an image of this target on its way, by `call`; the readback's id.
     pub(super) fn make_readback(
         self,
-        call: impl FnOnce(&Image, &Offscreen) -> Result<Readback>,
+        call: impl FnOnce(&Image, &mut Offscreen) -> Result<Readback>,
     ) -> Result<u64> {
         let shared = find(self.id, Kind::Target)?;
         enter(&shared, Kind::Target, self.id, |state| {
@@ -268,7 +315,7 @@ impl PelageTarget {
                 state,
                 Kind::Readback,
                 |state| &mut state.readbacks,
-                |state| call(self.among(&state.targets)?, &state.offscreen),
+                |state| call(self.among(&state.targets)?, state.host.offscreen()?),
             )
         })
     }
@@ -281,13 +328,13 @@ macro_rules! object {
             /// Runs `call` on the object, with the rest of its context, behind the context's lock.
             pub(super) fn with<T>(
                 self,
-                call: impl FnOnce(&mut $object, &mut Offscreen) -> Result<T>,
+                call: impl FnOnce(&mut $object, &mut Host) -> Result<T>,
             ) -> Result<T> {
                 enter(&find(self.id, $kind)?, $kind, self.id, |state| match state
                     .$objects
                     .get_mut(&self.id)
                 {
-                    Some(object) => call(object, &mut state.offscreen),
+                    Some(object) => call(object, &mut state.host),
                     None => Err(Error::InvalidHandle(stale($kind.name(), self.id))),
                 })
             }
@@ -324,8 +371,8 @@ mod tests {
             force_software: true,
             validation: false,
         };
-        let context =
-            PelageContext::register(crate::host::offscreen::Offscreen::new(&options).unwrap());
+        let offscreen = crate::host::offscreen::Offscreen::new(&options).unwrap();
+        let context = PelageContext::register(registry::Host::Offscreen(Box::new(offscreen)));
         assert_eq!(
             error::guard(|| context.with(|_| -> crate::Result<()> { panic!("a fault") })),
             PELAGE_PANIC

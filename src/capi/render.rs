@@ -15,7 +15,7 @@ pub const PELAGE_RENDER_WRITE_DEPTH: u32 = 2;
 /// Darken the opaque scene of the target by the hair's shadow.
 pub const PELAGE_RENDER_RECEIVE_SHADOW: u32 = 4;
 
-const ALL_FLAGS: u32 =
+pub(super) const ALL_FLAGS: u32 =
     PELAGE_RENDER_CLEAR | PELAGE_RENDER_WRITE_DEPTH | PELAGE_RENDER_RECEIVE_SHADOW;
 
 /// Renders a frame into a target of the same context: the target's depth, if it has one, hides hair. `flags`: any of
@@ -71,12 +71,13 @@ unsafe fn render(
     let given = unsafe { GivenFrame::read(frame) }?;
     context.with(
         |State {
-             offscreen,
+             host,
              hairs,
              targets,
              passes,
              ..
          }| {
+            let offscreen = host.offscreen()?;
             let target = target_of(target.among(targets)?, given.rectangle, flags);
             let hairs = given.hairs(hairs)?;
             if let Some(times) = call(offscreen, &given.frame(&hairs), &target)? {

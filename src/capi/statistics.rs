@@ -7,6 +7,7 @@ use super::error::{PelageResult, guard};
 use super::input::{self, output, outputs};
 use super::registry::PelageContext;
 use crate::error::{Result, invalid};
+use crate::statistics::Statistics;
 
 /// What a frame did, and what a context holds.
 #[repr(C)]
@@ -88,7 +89,7 @@ pub unsafe extern "C" fn pelage_statistics(
     statistics: *mut PelageStatistics,
 ) -> PelageResult {
     guard(|| {
-        let now = context.with(|state| Ok(state.offscreen.renderer.statistics()))?;
+        let now = statistics_of(context)?;
         let value = PelageStatistics {
             strands: now.strands,
             segments: now.segments,
@@ -116,7 +117,7 @@ pub unsafe extern "C" fn pelage_bytes_by_label(
     count: *mut u64,
 ) -> PelageResult {
     guard(|| {
-        let bytes = context.with(|state| Ok(state.offscreen.renderer.statistics().bytes))?;
+        let bytes = statistics_of(context)?.bytes;
         let list = bytes.iter().map(|(label, bytes)| PelageLabelBytes {
             label: label_of(label),
             bytes: *bytes,
@@ -143,6 +144,14 @@ pub unsafe extern "C" fn pelage_pass_times(
         });
         // SAFETY: the rule of the module `capi`.
         unsafe { fill(list, capacity, entries, count) }
+    })
+}
+
+fn statistics_of(context: PelageContext) -> Result<Statistics> {
+    context.with(|state| {
+        state
+            .host
+            .with_renderer(|renderer| Ok(renderer.statistics()))
     })
 }
 

@@ -94,11 +94,10 @@ pub unsafe extern "C" fn pelage_target_create(
             Kind::Target,
             |state| &mut state.targets,
             |state| {
+                let offscreen = state.host.offscreen()?;
                 let mut image =
-                    state
-                        .offscreen
-                        .create_image(given.width, given.height, format, with_depth)?;
-                state.offscreen.add_outputs(&mut image, wanted)?;
+                    offscreen.create_image(given.width, given.height, format, with_depth)?;
+                offscreen.add_outputs(&mut image, wanted)?;
                 Ok(image)
             },
         )?;
@@ -124,7 +123,7 @@ pub unsafe extern "C" fn pelage_target_write_colour(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let count = pixel_count(image);
             check_bytes::<[f32; 4]>("pixels", size, count, "the image takes")?;
             // SAFETY: the rule of the module `capi`.
@@ -144,7 +143,7 @@ pub unsafe extern "C" fn pelage_target_write_colour(
                 .iter()
                 .map(|pixel| Vec4::from_array(*pixel))
                 .collect();
-            offscreen.write_colour(&image.colour, &colours)
+            host.offscreen()?.write_colour(&image.colour, &colours)
         })
     })
 }
@@ -160,12 +159,12 @@ pub unsafe extern "C" fn pelage_target_write_depth(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let (depth, count) = (depth_of(image)?, pixel_count(image));
             check_bytes::<f32>("depths", size, count, "the image takes")?;
             // SAFETY: the rule of the module `capi`.
             let values = unsafe { slice("depths", depths, count as u64, count) }?;
-            offscreen.write_depth(depth, values)
+            host.offscreen()?.write_depth(depth, values)
         })
     })
 }
@@ -181,12 +180,12 @@ pub unsafe extern "C" fn pelage_target_read_colour(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let count = pixel_count(image);
             check_bytes::<[f32; 4]>("pixels", size, count, "the image has")?;
             // SAFETY: the rule of the module `capi`.
             let out = unsafe { outputs("pixels", pixels.cast::<[f32; 4]>(), count) }?;
-            let colours = offscreen.read_colour(&image.colour)?;
+            let colours = host.offscreen()?.read_colour(&image.colour)?;
             fill(out, colours.into_iter().map(Into::into));
             Ok(())
         })
@@ -204,12 +203,12 @@ pub unsafe extern "C" fn pelage_target_read_depth(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let (depth, count) = (depth_of(image)?, pixel_count(image));
             check_bytes::<f32>("depths", size, count, "the image has")?;
             // SAFETY: the rule of the module `capi`.
             let out = unsafe { outputs("depths", depths, count) }?;
-            fill(out, offscreen.read_depth(depth)?);
+            fill(out, host.offscreen()?.read_depth(depth)?);
             Ok(())
         })
     })
@@ -227,7 +226,7 @@ pub unsafe extern "C" fn pelage_target_read_output(
     size: u64,
 ) -> PelageResult {
     guard(|| {
-        target.with(|image, offscreen| {
+        target.with(|image, host| {
             let own = &image.outputs;
             let (name, texture, words) = match which {
                 PELAGE_OUTPUT_NEAREST_DEPTH => ("nearest depth", &own.nearest_depth, 1),
@@ -243,7 +242,7 @@ pub unsafe extern "C" fn pelage_target_read_output(
             check_bytes::<u32>("values", size, count, "the output has")?;
             // SAFETY: the rule of the module `capi`.
             let out = unsafe { outputs("values", values.cast::<u32>(), count) }?;
-            fill(out, offscreen.read_words(texture)?);
+            fill(out, host.offscreen()?.read_words(texture)?);
             Ok(())
         })
     })

@@ -2,6 +2,7 @@
 
 pub mod offscreen;
 mod readback;
+pub mod vulkan;
 mod write_depth;
 
 pub use readback::Readback;

@@ -37,5 +37,12 @@ int main(void) {
     PRINT(PelageFrame, PELAGE_FRAME_INIT);
     PRINT(PelageTargetDescriptor, PELAGE_TARGET_DESCRIPTOR_INIT);
     PRINT(PelageStatistics, PELAGE_STATISTICS_INIT);
+    PRINT(PelageVulkanInstance, PELAGE_VULKAN_INSTANCE_INIT);
+    PRINT(PelageVulkanRequirements, PELAGE_VULKAN_REQUIREMENTS_INIT);
+    PRINT(PelageVulkanDevice, PELAGE_VULKAN_DEVICE_INIT);
+    PRINT(PelageVulkanImage, PELAGE_VULKAN_IMAGE_INIT);
+    PRINT(PelageVulkanView, PELAGE_VULKAN_VIEW_INIT);
+    PRINT(PelageVulkanSemaphore, PELAGE_VULKAN_SEMAPHORE_INIT);
+    PRINT(PelageVulkanSubmit, PELAGE_VULKAN_SUBMIT_INIT);
     return 0;
 }

@@ -223,6 +223,77 @@ fn initialisers() -> String {
         bytes_total,
         bytes_peak
     );
+    initialiser!(
+        PelageVulkanInstance,
+        "PELAGE_VULKAN_INSTANCE_INIT",
+        api_version,
+        instance,
+        get_instance_proc_addr,
+        debug_utils,
+        reserved
+    );
+    initialiser!(
+        PelageVulkanRequirements,
+        "PELAGE_VULKAN_REQUIREMENTS_INIT",
+        queue_flags,
+        features,
+        device_extensions,
+        device_extension_count,
+        reserved,
+        storage
+    );
+    initialiser!(
+        PelageVulkanDevice,
+        "PELAGE_VULKAN_DEVICE_INIT",
+        queue_family,
+        queue_index,
+        extension_count,
+        extensions,
+        instance,
+        physical_device,
+        device,
+        lock,
+        unlock,
+        lock_user,
+        byte_budget
+    );
+    initialiser!(
+        PelageVulkanImage,
+        "PELAGE_VULKAN_IMAGE_INIT",
+        format,
+        image,
+        width,
+        height,
+        usage,
+        samples,
+        layout_in,
+        layout_out
+    );
+    initialiser!(
+        PelageVulkanView,
+        "PELAGE_VULKAN_VIEW_INIT",
+        flags,
+        frame,
+        colour,
+        depth
+    );
+    initialiser!(
+        PelageVulkanSemaphore,
+        "PELAGE_VULKAN_SEMAPHORE_INIT",
+        kind,
+        semaphore,
+        value
+    );
+    initialiser!(
+        PelageVulkanSubmit,
+        "PELAGE_VULKAN_SUBMIT_INIT",
+        view_count,
+        views,
+        waits,
+        signals,
+        wait_count,
+        signal_count
+    );
     text
 }
 
@@ -270,6 +341,21 @@ impl C for f64 {
 impl<T> C for *const T {
     fn c(&self) -> String {
         assert!(self.is_null());
+        "NULL".into()
+    }
+}
+
+impl<T> C for *mut T {
+    fn c(&self) -> String {
+        assert!(self.is_null());
+        "NULL".into()
+    }
+}
+
+/// A function pointer.
+impl<T> C for Option<T> {
+    fn c(&self) -> String {
+        assert!(self.is_none());
         "NULL".into()
     }
 }

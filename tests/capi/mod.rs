@@ -8,5 +8,7 @@ mod outputs;
 mod pointers;
 mod programs;
 mod rendering;
+mod spirv;
 mod support;
 mod threads;
+mod vulkan;

@@ -7,7 +7,7 @@ use pelage::capi::*;
 
 const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
-fn root() -> &'static Path {
+pub(super) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
@@ -33,7 +33,7 @@ fn library() -> PathBuf {
 }
 
 /// A folder of this test's own.
-fn folder(name: &str) -> PathBuf {
+pub(super) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
         .join("capi")
         .join(name);
@@ -42,7 +42,7 @@ fn folder(name: &str) -> PathBuf {
 }
 
 #[track_caller]
-fn run(command: &mut Command) -> String {
+pub(super) fn run(command: &mut Command) -> String {
     let Output {
         status,
         stdout,
@@ -60,6 +60,14 @@ fn run(command: &mut Command) -> String {
 
 /// Compiles a C program against the header and the library, and runs it.
 fn compile_and_run(name: &str, source: &str, arguments: &[&str]) -> String {
+    let program = compile(name, source, &["-lm"]);
+    run(Command::new(program)
+        .args(arguments)
+        .current_dir(folder(name)))
+}
+
+/// Compiles a C program against the header and the library.
+pub(super) fn compile(name: &str, source: &str, libraries: &[&str]) -> PathBuf {
     let folder = folder(name);
     let program = folder.join("program");
     // The library's soname and the name that a linker looks for.
@@ -83,9 +91,10 @@ fn compile_and_run(name: &str, source: &str, arguments: &[&str]) -> String {
         .arg("-L")
         .arg(&folder)
         .arg(format!("-Wl,-rpath,{}", folder.display()))
-        .args(["-lpelage", "-lm"]);
+        .arg("-lpelage")
+        .args(libraries);
     run(&mut compiler);
-    run(Command::new(&program).args(arguments).current_dir(&folder))
+    program
 }
 
 #[test]
@@ -102,7 +111,7 @@ fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
             standard.replace("++", "pp"),
             language.replace("++", "pp")
         ));
-        // Twice, as programs do; and every initialiser once.
+        // Twice, as programs do; and every initialiser once. With Vulkan's types, and without.
         let types = [
             "Strands",
             "Frame",
@@ -112,6 +121,13 @@ fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
             "KajiyaKay",
             "ABuffer",
             "Statistics",
+            "VulkanInstance",
+            "VulkanRequirements",
+            "VulkanDevice",
+            "VulkanImage",
+            "VulkanView",
+            "VulkanSemaphore",
+            "VulkanSubmit",
         ];
         let macros = [
             "STRANDS",
@@ -122,6 +138,13 @@ fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
             "KAJIYA_KAY",
             "A_BUFFER",
             "STATISTICS",
+            "VULKAN_INSTANCE",
+            "VULKAN_REQUIREMENTS",
+            "VULKAN_DEVICE",
+            "VULKAN_IMAGE",
+            "VULKAN_VIEW",
+            "VULKAN_SEMAPHORE",
+            "VULKAN_SUBMIT",
         ];
         let uses: String = types
             .iter()
@@ -135,13 +158,14 @@ fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
             format!("#include \"pelage.h\"\n#include \"pelage.h\"\n{uses}"),
         )
         .unwrap();
-        let mut command = Command::new(compiler);
-        command
-            .args(["-x", language])
-            .arg(format!("-std={standard}"))
-            .args(WARNINGS)
-            .arg("-fsyntax-only");
-        run(command.arg("-I").arg(root().join("include")).arg(&source));
+        for define in ["-UPELAGE_VULKAN", "-DPELAGE_VULKAN"] {
+            let mut command = Command::new(compiler);
+            command
+                .args(["-x", language, define, "-fsyntax-only"])
+                .arg(format!("-std={standard}"))
+                .args(WARNINGS);
+            run(command.arg("-I").arg(root().join("include")).arg(&source));
+        }
     }
 }
 
@@ -182,6 +206,13 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageFrame,
         PelageTargetDescriptor,
         PelageStatistics,
+        PelageVulkanInstance,
+        PelageVulkanRequirements,
+        PelageVulkanDevice,
+        PelageVulkanImage,
+        PelageVulkanView,
+        PelageVulkanSemaphore,
+        PelageVulkanSubmit,
     );
     for (printed, expected) in printed.lines().zip(expected.lines()) {
         assert_eq!(printed, expected);

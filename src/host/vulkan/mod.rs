@@ -1,0 +1,368 @@
+//! The host's own Vulkan device: hair between the host's passes, drawn into its images.
+//!
+//! The host asks for [`requirements`] before it makes its device, hands its handles over in a [`DeviceDescriptor`], and
+//! gives each frame its images, with the layouts in which they come and go, and the semaphores to wait on and to signal.
+//! Nothing of the host's is ever destroyed, and its queue is touched only while its lock is held: for the submission in
+//! [`Vulkan::render`], and when the context is dropped.
+//!
+//! A submission stands alone in the queue's order: a full barrier comes before the first command of each view and after
+//! its last. So a host that submits to the same queue before and after needs no semaphore at all, and one that uses
+//! another queue needs nothing but semaphores.
+
+mod device;
+mod image;
+mod queue;
+mod requirements;
+
+use std::sync::{Arc, OnceLock};
+
+pub use ash;
+use ash::vk;
+
+pub use device::{DeviceDescriptor, HostInstance};
+pub use image::{Aspect, Image, colour_formats, depth_formats};
+pub use queue::{QueueLock, Semaphore};
+pub use requirements::{FEATURE_STORAGE, Requirements, requirements};
+
+use self::image::Wrapped;
+use crate::error::{Error, Result, invalid};
+use crate::frame::{Frame, Target};
+use crate::renderer::Renderer;
+use crate::resources::RING;
+
+/// The least version of Vulkan, of the instance and of the device.
+pub const API_VERSION: u32 = vk::API_VERSION_1_3;
+
+/// The most views of one submission.
+pub const MAX_VIEWS: usize = RING;
+
+/// One view to be drawn: a frame, and the host's images that it goes into.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// What is drawn.
+    pub frame: &'a Frame<'a>,
+    /// Hair is blended over what it holds, premultiplied.
+    pub colour: &'a Image,
+    /// The opaque scene's depth, of the colour's size: it hides hair.
+    pub depth: Option<&'a Image>,
+    /// As of [`Target::clear`].
+    pub clear: bool,
+    /// As of [`Target::write_depth`].
+    pub write_depth: bool,
+    /// As of [`Target::receive_shadow`].
+    pub receive_shadow: bool,
+    /// As of [`Target::rectangle`].
+    pub rectangle: Option<[u32; 4]>,
+}
+
+/// A context on the host's device.
+pub struct Vulkan {
+    /// `None` once the queue is being taken down.
+    renderer: Option<Renderer>,
+    device: ash::Device,
+    formats: image::Formats,
+    lock: Option<Arc<dyn QueueLock>>,
+    lost: Arc<OnceLock<String>>,
+    info: wgpu::AdapterInfo,
+}
+
+impl Vulkan {
+    /// A context on the host's device. Several may share one device and one queue.
+    ///
+    /// # Errors
+    /// A handle that is null or does not belong to the others; a device that falls short; an extension that is required
+    /// and not enabled; no memory.
+    ///
+    /// # Safety
+    /// The handles are valid and what the descriptor says of them is so; the device was made with the extensions and
+    /// features of [`requirements`]. All of them stay valid until the context and all hair made on it are dropped.
+    pub unsafe fn new(descriptor: &DeviceDescriptor) -> Result<Self> {
+        // SAFETY: the host's promise is passed on.
+        let opened = unsafe { device::open(descriptor) }?;
+        let lost = Arc::new(OnceLock::new());
+        let reason = lost.clone();
+        opened
+            .device
+            .set_device_lost_callback(move |_, message| _ = reason.set(message));
+        opened
+            .device
+            .on_uncaptured_error(Arc::new(|error| log::error!("{error}")));
+        let renderer = Renderer::new(&opened.device, &opened.queue);
+        let mut context = Self {
+            renderer: None,
+            device: opened.raw,
+            formats: opened.formats,
+            lock: descriptor.lock.clone(),
+            lost,
+            info: opened.info,
+        };
+        match renderer {
+            Ok(renderer) => {
+                context.renderer = Some(renderer);
+                Ok(context)
+            }
+            Err(error) => {
+                let _held = context.hold();
+                drop(opened.queue);
+                Err(error)
+            }
+        }
+    }
+
+    /// Name and driver of the device.
+    pub fn adapter_info(&self) -> &wgpu::AdapterInfo {
+        &self.info
+    }
+
+    /// Runs `call` on the renderer.
+    ///
+    /// # Errors
+    /// Those of `call`; a device that was lost before or meanwhile.
+    pub fn with_renderer<T>(&mut self, call: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
+        self.alive()?;
+        let renderer = self.renderer.as_mut().ok_or_else(gone)?;
+        let result = call(renderer);
+        match self.lost.get() {
+            None => result,
+            Some(reason) => Err(lost_just_now(reason)),
+        }
+    }
+
+    /// Records views into one submission and hands it to the queue. Waits for nothing, unless more than [`MAX_VIEWS`]
+    /// views are on their way.
+    ///
+    /// The submission waits for `waits`, and signals `signals` when the GPU is done with it.
+    ///
+    /// # Errors
+    /// An image that cannot be drawn into, a value out of range, no memory: nothing has then been submitted, and no
+    /// semaphore will be signalled. A lost device: the context is dead, and can be dropped.
+    ///
+    /// # Safety
+    /// Images, layouts and semaphores are what they are said to be, and stay valid until the GPU is done. Where a wait
+    /// must be answered by the host itself, the host is not waiting for this call.
+    pub unsafe fn render(
+        &mut self,
+        views: &[View],
+        waits: &[Semaphore],
+        signals: &[Semaphore],
+    ) -> Result<()> {
+        self.alive()?;
+        if views.len() > MAX_VIEWS {
+            return invalid!(
+                "{} views: one submission takes at most {MAX_VIEWS}",
+                views.len()
+            );
+        }
+        queue::validate("waits", waits)?;
+        queue::validate("signals", signals)?;
+        for (number, view) in views.iter().enumerate() {
+            view.validate(&self.formats)
+                .map_err(|error| about(number, error))?;
+        }
+        let device = self.renderer.as_ref().ok_or_else(gone)?.device().clone();
+        let errors = Errors::watch(&device);
+        let record = |(number, view): (usize, &View)| {
+            // SAFETY: the host's promise is passed on.
+            unsafe { self.record(view) }.map_err(|error| about(number, error))
+        };
+        let recorded = views
+            .iter()
+            .enumerate()
+            .map(record)
+            .collect::<Result<Vec<_>>>();
+        let found = errors.take();
+        let recorded = self.settle(recorded, found)?;
+        let errors = Errors::watch(&device);
+        // SAFETY: the host's promise is passed on.
+        let submitted = unsafe { self.submit(recorded, waits, signals) };
+        let found = errors.take();
+        self.settle(submitted, found)
+    }
+
+    /// One view's commands: a barrier, the frame, a barrier.
+    unsafe fn record(&mut self, view: &View) -> Result<[wgpu::CommandBuffer; 3]> {
+        let renderer = self.renderer.as_mut().ok_or_else(gone)?;
+        let device = renderer.device().clone();
+        let wrap = |image, aspect| {
+            // SAFETY: the host's images are what they are said to be.
+            unsafe { Wrapped::new(&device, image, aspect, &self.formats) }
+        };
+        let colour = wrap(view.colour, Aspect::Colour)?;
+        let depth = view
+            .depth
+            .map(|image| wrap(image, Aspect::Depth))
+            .transpose()?;
+        let images = || [Some(&colour), depth.as_ref()].into_iter().flatten();
+
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("pelage.vulkan"),
+        });
+        let target = Target {
+            colour: &colour.texture,
+            depth: depth.as_ref().map(|depth| &depth.texture),
+            clear: view.clear,
+            write_depth: view.write_depth,
+            receive_shadow: view.receive_shadow,
+            rectangle: view.rectangle,
+            outputs: Default::default(),
+        };
+        renderer.record(&mut encoder, view.frame, &target)?;
+        encoder.transition_resources(
+            std::iter::empty(),
+            images().map(|image| wgpu::TextureTransition {
+                texture: &image.texture,
+                selector: None,
+                state: image.state,
+            }),
+        );
+        let barriers = |towards_us| {
+            let barriers: Vec<_> = images().map(|image| image.barrier(towards_us)).collect();
+            // SAFETY: the images are in the layouts that the barriers expect: the host's, and after the frame its own.
+            unsafe { image::record_barriers(&device, &self.device, &barriers) }
+        };
+        Ok([barriers(true)?, encoder.finish(), barriers(false)?])
+    }
+
+    /// Hands recorded views to the queue, with the host's lock held.
+    unsafe fn submit(
+        &mut self,
+        recorded: Vec<[wgpu::CommandBuffer; 3]>,
+        waits: &[Semaphore],
+        signals: &[Semaphore],
+    ) -> Result<()> {
+        let queue = self.renderer.as_ref().ok_or_else(gone)?.queue();
+        // SAFETY: nothing of the raw queue is kept or destroyed.
+        let Some(raw) = (unsafe { queue.as_hal::<wgpu::hal::api::Vulkan>() }) else {
+            return Err(Error::Internal("the queue is not Vulkan's".into()));
+        };
+        let _held = self.hold();
+        for wait in waits {
+            let stages = vk::PipelineStageFlags::ALL_COMMANDS;
+            raw.add_wait_semaphore(wait.semaphore, wait.value, stages);
+        }
+        for signal in signals {
+            raw.add_signal_semaphore(signal.semaphore, signal.value);
+        }
+        queue.submit(recorded.into_iter().flatten());
+        // What a failed submission has left over is not for the next one.
+        for wait in waits {
+            raw.remove_wait_semaphore(wait.semaphore);
+        }
+        for signal in signals {
+            raw.remove_signal_semaphore(signal.semaphore);
+        }
+        Ok(())
+    }
+
+    /// Says what a lost device, or else the call itself, or else wgpu had to say.
+    fn settle<T>(&self, result: Result<T>, found: Option<wgpu::Error>) -> Result<T> {
+        if let Some(reason) = self.lost.get() {
+            return Err(lost_just_now(reason));
+        }
+        match (result, found) {
+            (Err(error), _) => Err(error),
+            (Ok(_), Some(error @ wgpu::Error::OutOfMemory { .. })) => {
+                Err(Error::OutOfMemory(error.to_string()))
+            }
+            (Ok(_), Some(error)) => Err(Error::Internal(error.to_string())),
+            (Ok(value), None) => Ok(value),
+        }
+    }
+
+    /// Checks that the device has not been lost in an earlier call.
+    fn alive(&self) -> Result<()> {
+        match self.lost.get() {
+            None => Ok(()),
+            Some(reason) => Err(lost_before(reason)),
+        }
+    }
+
+    /// Takes the host's lock around the queue.
+    fn hold(&self) -> queue::Held<'_> {
+        queue::hold(self.lock.as_deref())
+    }
+}
+
+impl Drop for Vulkan {
+    /// Waits for the queue, with the host's lock held.
+    fn drop(&mut self) {
+        let renderer = self.renderer.take();
+        let _held = self.hold();
+        drop(renderer);
+    }
+}
+
+impl View<'_> {
+    fn validate(&self, formats: &image::Formats) -> Result<()> {
+        self.colour.validate(Aspect::Colour, formats)?;
+        if self.colour.layout_in == vk::ImageLayout::UNDEFINED && !self.clear {
+            return invalid!(
+                "colour: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds; clear it, or name its layout"
+            );
+        }
+        let Some(depth) = self.depth else {
+            return Ok(());
+        };
+        depth.validate(Aspect::Depth, formats)?;
+        if depth.layout_in == vk::ImageLayout::UNDEFINED {
+            return invalid!(
+                "depth: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds"
+            );
+        }
+        if depth.image == self.colour.image {
+            return invalid!("depth is the same image as colour");
+        }
+        Ok(())
+    }
+}
+
+/// Errors of wgpu that would otherwise go to the log.
+struct Errors([wgpu::ErrorScopeGuard; 3]);
+
+impl Errors {
+    fn watch(device: &wgpu::Device) -> Self {
+        use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+        Self([Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter)))
+    }
+
+    /// What was found: a failed validation before all else.
+    fn take(self) -> Option<wgpu::Error> {
+        let mut found = None;
+        for scope in self.0.into_iter().rev() {
+            found = pollster::block_on(scope.pop()).or(found);
+        }
+        found
+    }
+}
+
+/// The error of the call in which the device was lost: wgpu gives devices up where memory fails in the wrong place.
+fn lost_just_now(reason: &str) -> Error {
+    if reason == wgpu::hal::DeviceError::OutOfMemory.to_string() {
+        Error::OutOfMemory("the driver has no memory left; the context is dead".into())
+    } else {
+        lost_before(reason)
+    }
+}
+
+/// The error of every later call.
+fn lost_before(reason: &str) -> Error {
+    Error::DeviceLost(if reason == wgpu::hal::DeviceError::Lost.to_string() {
+        "the driver has given it up".into()
+    } else {
+        reason.to_string()
+    })
+}
+
+fn gone() -> Error {
+    Error::Internal("the renderer is gone".into())
+}
+
+/// Says which view an error is about.
+fn about(number: usize, error: Error) -> Error {
+    match error {
+        Error::InvalidValue(what) => Error::InvalidValue(format!("views[{number}]: {what}")),
+        Error::Unsupported(what) => Error::Unsupported(format!("views[{number}]: {what}")),
+        Error::Conflict(what) => Error::Conflict(format!("views[{number}]: {what}")),
+        other => other,
+    }
+}
