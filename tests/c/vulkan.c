@@ -1086,12 +1086,13 @@ static long growth(int count, uint32_t largest) {
 }
 
 static void stress(int rounds) {
-    /* Without frames, there is nothing but what the library makes: next to nothing is left of each context. */
+    /* Without frames, there is nothing but what the library makes: next to nothing is left of each context. 0 to 15 KiB were
+       measured; the ring of counters alone of a context that were kept has 128. */
     long bare = growth(rounds / 4, 0);
     /* lavapipe 22 keeps some 290 KiB of the pipelines of a context that is gone, on any device, and now and then 30 MB
        for itself; lavapipe 25 nothing. A context that were kept would be several times the bound. */
     long drawn = growth(rounds / 6, SIDE);
-    TRUE(rounds < 100 || (bare < 16 && drawn < MOST_KEPT_KIB));
+    TRUE(rounds < 100 || (bare < 64 && drawn < MOST_KEPT_KIB));
     TRUE(watch.unlocked_uses == 0);
 }
 

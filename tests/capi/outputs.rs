@@ -175,7 +175,7 @@ fn what_outputs_and_instances_cannot_be_is_named() {
         wrong(read(without, 3, pointer, size), "which 3");
         wrong(
             read(without, PELAGE_OUTPUT_COVERAGE, pointer, size + 4),
-            "size",
+            "4100 bytes",
         );
         wrong(
             read(without, PELAGE_OUTPUT_COVERAGE, null_mut(), size),
