@@ -39,9 +39,22 @@ pub(crate) fn receive(
     }
     let label = "pelage.composite.receive";
     let format = target.colour.format();
+    // Where the host's depth may be attached, pixels without an opaque scene are not shaded.
+    let tested = target.depth.filter(|depth| {
+        depth
+            .usage()
+            .contains(wgpu::TextureUsages::RENDER_ATTACHMENT)
+    });
     let key = PipelineKey {
         colour: Some(format),
+        depth: tested.map(|depth| depth.format()),
+        variant: u32::from(plan.reverse_z),
         ..PipelineKey::new(label)
+    };
+    let before_far = if plan.reverse_z {
+        wgpu::CompareFunction::Less
+    } else {
+        wgpu::CompareFunction::Greater
     };
     // Colour × shadow; the alpha stays.
     let multiply = wgpu::BlendComponent {
@@ -63,11 +76,19 @@ pub(crate) fn receive(
             }),
             write_mask: wgpu::ColorWrites::COLOR,
         })],
-        depth_stencil: None,
+        depth_stencil: tested.map(|depth| wgpu::DepthStencilState {
+            format: depth.format(),
+            depth_write_enabled: Some(false),
+            depth_compare: Some(before_far),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
     })?;
     let view = target.colour.create_view(&Default::default());
+    let depth_view = tested.map(|depth| depth.create_view(&Default::default()));
     passes.encode(label, |encoder| {
-        let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, None);
+        let depth = depth_view.as_ref().map(|view| (view, None));
+        let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, depth);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(
             0,
@@ -138,7 +159,7 @@ pub(crate) fn record(
             label,
             &view,
             wgpu::LoadOp::Load,
-            depth_view.as_ref(),
+            depth_view.as_ref().map(|view| (view, Some(KEPT))),
         );
         set_area(&mut pass, plan, band.first, band.rows);
         pass.set_pipeline(&pipeline);
@@ -309,13 +330,19 @@ fn begin_outputs(
     }));
 }
 
-/// Begins a pass over the target's colour, and over its depth if given.
+/// Of a depth that is tested and written.
+const KEPT: wgpu::Operations<f32> = wgpu::Operations {
+    load: wgpu::LoadOp::Load,
+    store: wgpu::StoreOp::Store,
+};
+
+/// Begins a pass over the target's colour, and over its depth if given; one without operations is only tested.
 fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
     colour: &wgpu::TextureView,
     load: wgpu::LoadOp<wgpu::Color>,
-    depth: Option<&wgpu::TextureView>,
+    depth: Option<(&wgpu::TextureView, Option<wgpu::Operations<f32>>)>,
 ) -> wgpu::RenderPass<'e> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
@@ -328,13 +355,12 @@ fn begin<'e>(
                 store: wgpu::StoreOp::Store,
             },
         })],
-        depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Load,
-                store: wgpu::StoreOp::Store,
-            }),
-            stencil_ops: None,
+        depth_stencil_attachment: depth.map(|(view, depth_ops)| {
+            wgpu::RenderPassDepthStencilAttachment {
+                view,
+                depth_ops,
+                stencil_ops: None,
+            }
         }),
         timestamp_writes: None,
         occlusion_query_set: None,
