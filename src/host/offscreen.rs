@@ -117,9 +117,18 @@ impl Offscreen {
             .await
             .map_err(|error| Error::Unsupported(format!("the adapter gives no device: {error}")))?;
         device.on_uncaptured_error(std::sync::Arc::new(|error| log::error!("{error}")));
+        Self::on(&device, &queue, adapter.get_info())
+    }
+
+    /// Images and readbacks on a device of the host's, made on the adapter of `info`. The host sees to errors that no call
+    /// returns.
+    ///
+    /// # Errors
+    /// A device that falls short; see [`Renderer::new`].
+    pub fn on(device: &wgpu::Device, queue: &wgpu::Queue, info: wgpu::AdapterInfo) -> Result<Self> {
         Ok(Self {
-            renderer: Renderer::new(&device, &queue)?,
-            info: adapter.get_info(),
+            renderer: Renderer::new(device, queue)?,
+            info,
             write_depth: None,
         })
     }

@@ -204,7 +204,7 @@ fn what_outputs_and_instances_cannot_be_is_named() {
         let mut target = PelageTarget { id: 99 };
         wrong(
             pelage_target_create(context.0, &descriptor, &mut target),
-            "outputs…16",
+            "outputs…0x10",
         );
         assert_eq!(target.id, 99);
     }
