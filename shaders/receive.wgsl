@@ -13,9 +13,7 @@ struct ReceiveVertex {
 @vertex
 fn receive_vertex(@builtin(vertex_index) vertex: u32) -> ReceiveVertex {
     let corner = vec2f(f32((vertex << 1u) & 2u), f32(vertex & 2u));
-    // At the far plane, so that a depth test leaves out what has no depth before it is shaded.
-    let far = select(1.0, 0.0, (frame.flags & FRAME_REVERSE_Z) != 0u);
-    return ReceiveVertex(vec4f(corner * 2.0 - 1.0, far, 1.0), frame.light_count);
+    return ReceiveVertex(vec4f(corner * 2.0 - 1.0, 0.0, 1.0), frame.light_count);
 }
 
 @fragment

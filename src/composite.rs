@@ -39,22 +39,9 @@ pub(crate) fn receive(
     }
     let label = "pelage.composite.receive";
     let format = target.colour.format();
-    // Where the host's depth may be attached, pixels without an opaque scene are not shaded.
-    let tested = target.depth.filter(|depth| {
-        depth
-            .usage()
-            .contains(wgpu::TextureUsages::RENDER_ATTACHMENT)
-    });
     let key = PipelineKey {
         colour: Some(format),
-        depth: tested.map(|depth| depth.format()),
-        variant: u32::from(plan.reverse_z),
         ..PipelineKey::new(label)
-    };
-    let before_far = if plan.reverse_z {
-        wgpu::CompareFunction::Less
-    } else {
-        wgpu::CompareFunction::Greater
     };
     // Colour × shadow; the alpha stays.
     let multiply = wgpu::BlendComponent {
@@ -76,19 +63,11 @@ pub(crate) fn receive(
             }),
             write_mask: wgpu::ColorWrites::COLOR,
         })],
-        depth_stencil: tested.map(|depth| wgpu::DepthStencilState {
-            format: depth.format(),
-            depth_write_enabled: Some(false),
-            depth_compare: Some(before_far),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
+        depth_stencil: None,
     })?;
     let view = target.colour.create_view(&Default::default());
-    let depth_view = tested.map(|depth| depth.create_view(&Default::default()));
     passes.encode(label, |encoder| {
-        let depth = depth_view.as_ref().map(|view| (view, None));
-        let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, depth);
+        let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, None);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(
             0,
@@ -159,7 +138,7 @@ pub(crate) fn record(
             label,
             &view,
             wgpu::LoadOp::Load,
-            depth_view.as_ref().map(|view| (view, Some(KEPT))),
+            depth_view.as_ref(),
         );
         set_area(&mut pass, plan, band.first, band.rows);
         pass.set_pipeline(&pipeline);
@@ -330,19 +309,13 @@ fn begin_outputs(
     }));
 }
 
-/// Of a depth that is tested and written.
-const KEPT: wgpu::Operations<f32> = wgpu::Operations {
-    load: wgpu::LoadOp::Load,
-    store: wgpu::StoreOp::Store,
-};
-
-/// Begins a pass over the target's colour, and over its depth if given; one without operations is only tested.
+/// Begins a pass over the target's colour, and over its depth if given.
 fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,
     colour: &wgpu::TextureView,
     load: wgpu::LoadOp<wgpu::Color>,
-    depth: Option<(&wgpu::TextureView, Option<wgpu::Operations<f32>>)>,
+    depth: Option<&wgpu::TextureView>,
 ) -> wgpu::RenderPass<'e> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
@@ -355,12 +328,13 @@ fn begin<'e>(
                 store: wgpu::StoreOp::Store,
             },
         })],
-        depth_stencil_attachment: depth.map(|(view, depth_ops)| {
-            wgpu::RenderPassDepthStencilAttachment {
-                view,
-                depth_ops,
-                stencil_ops: None,
-            }
+        depth_stencil_attachment: depth.map(|view| wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: None,
         }),
         timestamp_writes: None,
         occlusion_query_set: None,
