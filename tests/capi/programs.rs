@@ -128,6 +128,8 @@ fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
             "VulkanView",
             "VulkanSemaphore",
             "VulkanSubmit",
+            "Window",
+            "WindowInfo",
         ];
         let macros = [
             "STRANDS",
@@ -145,6 +147,8 @@ fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
             "VULKAN_VIEW",
             "VULKAN_SEMAPHORE",
             "VULKAN_SUBMIT",
+            "WINDOW",
+            "WINDOW_INFO",
         ];
         let uses: String = types
             .iter()
@@ -213,6 +217,8 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageVulkanView,
         PelageVulkanSemaphore,
         PelageVulkanSubmit,
+        PelageWindow,
+        PelageWindowInfo,
     );
     for (printed, expected) in printed.lines().zip(expected.lines()) {
         assert_eq!(printed, expected);
