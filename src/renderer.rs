@@ -49,11 +49,14 @@ impl Renderer {
             shading: Default::default(),
             shadow: None,
             transparency: None,
+            previous_world_from_object: None,
+            instances: Vec::new(),
             geometry: Geometry::new(&self.gpu, strands, SERIAL.fetch_add(1, Ordering::Relaxed))?,
         })
     }
 
     /// Replaces every position of a hair: moving hair with the same strands. Takes effect with the next frame recorded.
+    /// Motion vectors tell from the positions before the last update, until [`Hair::rest`].
     ///
     /// # Errors
     /// Another number of points, or a position that is not finite; the hair is then as it was.
@@ -163,13 +166,6 @@ impl Renderer {
             merged: returned.merged,
         };
         self.statistics.covered_pixels = returned.covered;
-        self.statistics.mismatched = returned.mismatched;
-        if returned.mismatched > 0 {
-            log::error!(
-                "{} fragments were stored that had not been counted",
-                returned.mismatched
-            );
-        }
         if returned.merged > 0 {
             log::warn!(
                 "the fragment pool was too small: {} of {} fragments were merged",

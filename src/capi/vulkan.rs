@@ -553,6 +553,7 @@ pub unsafe extern "C" fn pelage_vulkan_render(
                     clear: view.flags & PELAGE_RENDER_CLEAR != 0,
                     write_depth: view.flags & PELAGE_RENDER_WRITE_DEPTH != 0,
                     receive_shadow: view.flags & PELAGE_RENDER_RECEIVE_SHADOW != 0,
+                    rectangle: view.frame.rectangle,
                 })
                 .collect();
             // SAFETY: images and semaphores are what the host says they are, and it keeps them until the GPU is done.

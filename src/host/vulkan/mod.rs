@@ -51,6 +51,8 @@ pub struct View<'a> {
     pub write_depth: bool,
     /// As of [`Target::receive_shadow`].
     pub receive_shadow: bool,
+    /// As of [`Target::rectangle`].
+    pub rectangle: Option<[u32; 4]>,
 }
 
 /// A context on the host's device.
@@ -201,6 +203,8 @@ impl Vulkan {
             clear: view.clear,
             write_depth: view.write_depth,
             receive_shadow: view.receive_shadow,
+            rectangle: view.rectangle,
+            outputs: Default::default(),
         };
         renderer.record(&mut encoder, view.frame, &target)?;
         encoder.transition_resources(
