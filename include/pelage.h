@@ -175,8 +175,31 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Four 32-bit floats a pixel; needs a device that can blend them.
 #define PELAGE_FORMAT_RGBA32F 1
 
+// The nearest fibre's clip depth: one float a pixel; the far plane's where there is none.
+#define PELAGE_OUTPUT_NEAREST_DEPTH 1
+
+// The part of the pixel that hair covers, 0 to 1: one float a pixel.
+#define PELAGE_OUTPUT_COVERAGE 2
+
+// How far the nearest fibre has moved on the screen since the frame before, in pixels, +x right, +y down, jitter left out:
+// two floats a pixel, 0 where there is none.
+#define PELAGE_OUTPUT_MOTION 4
+
+// The nearest fibre's hair, as its place in the frame, in the lower 16 bits with its instance in the upper 16; and its strand:
+// two 32-bit integers a pixel, both `PELAGE_NO_STRAND` where there is none.
+#define PELAGE_OUTPUT_IDS 8
+
+// What both integers of `PELAGE_OUTPUT_IDS` hold where there is no hair.
+#define PELAGE_NO_STRAND 4294967295
+
 // Clip depth 1 is near and 0 far.
 #define PELAGE_VIEW_REVERSE_Z 1
+
+// Clip space's y points down the image, as Vulkan's own convention has it, not up.
+#define PELAGE_VIEW_FLIP_Y 2
+
+// The previous matrices and jitter are given, for motion vectors; without it the camera stood still.
+#define PELAGE_VIEW_PREVIOUS 4
 
 // A light so far away that its rays are parallel.
 #define PELAGE_LIGHT_DIRECTIONAL 0
@@ -517,8 +540,8 @@ typedef struct PelageTargetDescriptor {
     uint32_t format;
     // 1: with a depth, of 32-bit floats, for an opaque scene that hides hair.
     uint32_t with_depth;
-    // 0.
-    uint32_t reserved;
+    // Any of `PELAGE_OUTPUT_...`, or 0: what is written beside the colour.
+    uint32_t outputs;
 } PelageTargetDescriptor;
 
 // An image to draw into, with an optional depth. All zero: no target.
@@ -545,6 +568,17 @@ typedef struct PelageView {
     double view_from_world[16];
     // Clip space from camera space, column-major. Can be inverted.
     double clip_from_view[16];
+    // With `PELAGE_VIEW_PREVIOUS`: both matrices of the frame before.
+    double previous_view_from_world[16];
+    // See above.
+    double previous_clip_from_view[16];
+    // How far `clip_from_view` shifts the image for temporal antialiasing, in pixels, +x right, +y down; it is taken out of
+    // motion vectors and changes nothing else.
+    float jitter[2];
+    // The same of the frame before.
+    float previous_jitter[2];
+    // The part of the target that the view fills: left, top, width, height in pixels; all 0: the whole target.
+    uint32_t rectangle[4];
 } PelageView;
 
 // One light.
@@ -934,6 +968,25 @@ PelageResult pelage_hair_update_points(struct PelageHair hair,
 // Places a hair: `world_from_object`, 16 doubles, column-major, an affine transform that can be inverted.
 PelageResult pelage_hair_set_transform(struct PelageHair hair, const double *world_from_object);
 
+// Says where a hair was in the frame before, for motion vectors: `world_from_object` of then, 16 doubles, column-major. NULL: where
+// it is.
+PelageResult pelage_hair_set_previous_transform(struct PelageHair hair,
+                                                const double *world_from_object);
+
+// Draws `count` copies of a hair, up to 65535, each placed by its own transform and then by the hair's:
+// `object_from_instance`, 16 doubles a copy, column-major, affine transforms that can be inverted.
+// `previous_object_from_instance`: the same of the frame before, for motion vectors, or NULL. 0 copies: the hair itself, once.
+//
+// Errors: a transform that is not affine, not finite or cannot be inverted; too many copies.
+PelageResult pelage_hair_set_instances(struct PelageHair hair,
+                                       const double *object_from_instance,
+                                       const double *previous_object_from_instance,
+                                       uint32_t count);
+
+// Says that a hair's points have not moved since the frame before, whatever `pelage_hair_update_points` did then: their motion is
+// zero until the next update.
+PelageResult pelage_hair_rest(struct PelageHair hair);
+
 // Sets the fibres' own opacity, from 0 to 1.
 PelageResult pelage_hair_set_opacity(struct PelageHair hair, float opacity);
 
@@ -985,6 +1038,15 @@ PelageResult pelage_target_read_colour(struct PelageTarget target,
 PelageResult pelage_target_read_depth(struct PelageTarget target,
                                       float *depths,
                                       uint64_t size);
+
+// Reads one of a target's outputs (`PELAGE_OUTPUT_...`) as it is after all rendering so far into `values`, row 0 at the top, `size`
+// bytes in all: 4 times width times height, or 8 times for motion and ids. Waits for the GPU.
+//
+// Errors: not exactly one output; one that the target was made without; another size; `PELAGE_DEVICE_LOST`.
+PelageResult pelage_target_read_output(struct PelageTarget target,
+                                       uint32_t which,
+                                       void *values,
+                                       uint64_t size);
 
 // Sends a copy of a target's colour, as it is after all rendering so far, on its way to the host. Does not wait.
 //
@@ -1087,8 +1149,8 @@ PelageResult pelage_vulkan_context_create(const struct PelageVulkanDevice *devic
 // In the queue's order a full barrier stands before the commands of each view and after them: what the host submits to the
 // same queue before or after needs no semaphore. Images stay valid until the GPU is done with the submission.
 //
-// Do not hold what `lock` locks. A wait that the host answers only after this call returns is answered by another thread,
-// or before eight views are on their way.
+// Do not hold what `lock` locks. Wait for what has been submitted already, or is signalled by another thread: drivers may
+// block within `vkQueueSubmit` as long as an earlier submission cannot begin.
 //
 // Errors: an image that cannot be drawn into; all of `pelage_render`'s; a context with a device of its own
 // (`PELAGE_UNSUPPORTED`). Nothing is then submitted, and no semaphore waited on or signalled. `PELAGE_DEVICE_LOST`, or
@@ -1157,7 +1219,7 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
 #define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL }
-#define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 } }
+#define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_TARGET_DESCRIPTOR_INIT { sizeof(PelageTargetDescriptor), 0, 0, 0, 0, 0 }

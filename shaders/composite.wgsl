@@ -9,7 +9,7 @@ fn composite_vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) ve
 
 @fragment
 fn composite(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    return resolve(vec2u(position.xy)).colour;
+    return resolve(pixel_of(position)).colour;
 }
 
 struct ColourAndDepth {
@@ -19,7 +19,7 @@ struct ColourAndDepth {
 
 @fragment
 fn composite_with_depth(@builtin(position) position: vec4f) -> ColourAndDepth {
-    let resolved = resolve(vec2u(position.xy));
+    let resolved = resolve(pixel_of(position));
     if resolved.key == 0xffffffffu { discard; }
     return ColourAndDepth(resolved.colour, depth_of_key(resolved.key));
 }

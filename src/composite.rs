@@ -2,11 +2,11 @@
 //! scene before it.
 
 use crate::error::Result;
-use crate::frame::Target;
+use crate::frame::{Outputs, Target};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, RenderSpec};
 use crate::plan::{Band, Plan};
 use crate::resources::Bound;
-use crate::shader::Module;
+use crate::shader::{Constant, Module};
 use crate::{shadow, transparency};
 
 /// Clears the target where the host asked for it.
@@ -55,14 +55,14 @@ pub(crate) fn receive(
         fragment: "receive",
         groups: &[Group::Frame, Group::MapsRead],
         topology: wgpu::PrimitiveTopology::TriangleList,
-        target: wgpu::ColorTargetState {
+        targets: vec![Some(wgpu::ColorTargetState {
             format,
             blend: Some(wgpu::BlendState {
                 color: multiply,
                 alpha: multiply,
             }),
             write_mask: wgpu::ColorWrites::COLOR,
-        },
+        })],
         depth_stencil: None,
     })?;
     let view = target.colour.create_view(&Default::default());
@@ -75,6 +75,7 @@ pub(crate) fn receive(
             &[0, plan.bands[0].drawings[0], plan.runs[0].material],
         );
         pass.set_bind_group(2, bound.maps_read, &[]);
+        set_area(&mut pass, plan, 0, plan.height);
         pass.draw(0..3, 0..1);
     });
     Ok(())
@@ -116,11 +117,11 @@ pub(crate) fn record(
         },
         groups: &[Group::Frame, Group::PixelsRead],
         topology: wgpu::PrimitiveTopology::TriangleList,
-        target: wgpu::ColorTargetState {
+        targets: vec![Some(wgpu::ColorTargetState {
             format,
             blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
             write_mask: wgpu::ColorWrites::ALL,
-        },
+        })],
         depth_stencil: depth.map(|texture| wgpu::DepthStencilState {
             format: texture.format(),
             depth_write_enabled: Some(true),
@@ -139,7 +140,7 @@ pub(crate) fn record(
             wgpu::LoadOp::Load,
             depth_view.as_ref(),
         );
-        pass.set_scissor_rect(0, band.first, plan.width, band.rows);
+        set_area(&mut pass, plan, band.first, band.rows);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(
             0,
@@ -150,6 +151,162 @@ pub(crate) fn record(
         pass.draw(0..3, 0..1);
     });
     Ok(())
+}
+
+/// Draws into rows of the view's own rectangle only.
+fn set_area(pass: &mut wgpu::RenderPass, plan: &Plan, first: u32, rows: u32) {
+    let [left, top] = plan.origin;
+    pass.set_viewport(
+        left as f32,
+        top as f32,
+        plan.width as f32,
+        plan.height as f32,
+        0.0,
+        1.0,
+    );
+    pass.set_scissor_rect(left, top + first, plan.width, rows);
+}
+
+/// Writes the outputs beside the colour for a band of rows.
+pub(crate) fn outputs(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    plan: &Plan,
+    target: &Target,
+) -> Result<()> {
+    let (wanted, tracked) = target.outputs.wanted();
+    if !wanted {
+        return Ok(());
+    }
+    let label = "pelage.composite.outputs";
+    let formats = output_formats(&target.outputs);
+    let key = PipelineKey {
+        variant: (transparency::resolve_variant(&plan.transparency) * 4 + plan.parts) * 256
+            + output_variant(&formats),
+        ..PipelineKey::new(label)
+    };
+    let pipeline = gpu.render(key, || RenderSpec {
+        module: transparency::resolve_module(&plan.transparency, plan.parts)
+            .and(&["outputs"])
+            .with("TRACKED", Constant::Bool(tracked)),
+        vertex: "outputs_vertex",
+        fragment: "outputs",
+        groups: &[Group::Frame, Group::PointOutputs, Group::PixelsRead],
+        topology: wgpu::PrimitiveTopology::TriangleList,
+        targets: output_targets(&formats),
+        depth_stencil: None,
+    })?;
+    passes.encode(label, |encoder| {
+        begin_outputs(encoder, label, target, |pass| {
+            set_area(pass, plan, band.first, band.rows);
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(
+                0,
+                bound.frame_without_depth,
+                &[0, band.drawings[0], plan.runs[0].material],
+            );
+            pass.set_bind_group(1, bound.point_outputs, &[]);
+            pass.set_bind_group(3, bound.pixels_read, &[]);
+            pass.draw(0..3, 0..1);
+        });
+    });
+    Ok(())
+}
+
+/// Writes the outputs beside the colour of a frame without hair.
+pub(crate) fn outputs_none(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    plan: &Plan,
+    target: &Target,
+) -> Result<()> {
+    if !target.outputs.wanted().0 {
+        return Ok(());
+    }
+    let label = "pelage.composite.outputs_none";
+    let formats = output_formats(&target.outputs);
+    let key = PipelineKey {
+        variant: output_variant(&formats) * 2 + u32::from(plan.reverse_z),
+        ..PipelineKey::new(label)
+    };
+    let pipeline = gpu.render(key, || RenderSpec {
+        module: Module::new(&["outputs_none"]).with("REVERSE_Z", Constant::Bool(plan.reverse_z)),
+        vertex: "outputs_vertex",
+        fragment: "outputs",
+        groups: &[],
+        topology: wgpu::PrimitiveTopology::TriangleList,
+        targets: output_targets(&formats),
+        depth_stencil: None,
+    })?;
+    passes.encode(label, |encoder| {
+        begin_outputs(encoder, label, target, |pass| {
+            set_area(pass, plan, 0, plan.height);
+            pass.set_pipeline(&pipeline);
+            pass.draw(0..3, 0..1);
+        });
+    });
+    Ok(())
+}
+
+fn output_formats(outputs: &Outputs) -> [Option<wgpu::TextureFormat>; 4] {
+    outputs
+        .images()
+        .map(|(_, image, _)| image.map(|image| image.format()))
+}
+
+/// Two bits an output: 0 where it is not written, else the place of its format and one.
+fn output_variant(formats: &[Option<wgpu::TextureFormat>; 4]) -> u32 {
+    use wgpu::TextureFormat as Format;
+    formats.iter().fold(0, |variant, format| {
+        variant * 4
+            + match format {
+                None => 0,
+                Some(Format::R16Float | Format::Rg16Float) => 2,
+                Some(Format::R8Unorm) => 3,
+                Some(_) => 1,
+            }
+    })
+}
+
+fn output_targets(
+    formats: &[Option<wgpu::TextureFormat>; 4],
+) -> Vec<Option<wgpu::ColorTargetState>> {
+    let target = |format: &Option<wgpu::TextureFormat>| format.map(wgpu::ColorTargetState::from);
+    formats.iter().map(target).collect()
+}
+
+/// A pass over the outputs that are asked for; what they hold elsewhere is kept.
+fn begin_outputs(
+    encoder: &mut wgpu::CommandEncoder,
+    label: &str,
+    target: &Target,
+    draw: impl FnOnce(&mut wgpu::RenderPass),
+) {
+    let views = target
+        .outputs
+        .images()
+        .map(|(_, image, _)| image.map(|image| image.create_view(&Default::default())));
+    let attachments = views.each_ref().map(|view| {
+        view.as_ref().map(|view| wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            },
+        })
+    });
+    draw(&mut encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &attachments,
+        depth_stencil_attachment: None,
+        timestamp_writes: None,
+        occlusion_query_set: None,
+        multiview_mask: None,
+    }));
 }
 
 /// Begins a pass over the target's colour, and over its depth if given.

@@ -39,6 +39,63 @@ pub struct Target<'a> {
     pub write_depth: bool,
     /// Darken the opaque scene behind `depth` by the hair's shadow.
     pub receive_shadow: bool,
+    /// The part of the images that the view fills: left, top, width, height in pixels. `None`: all of them. Nothing outside
+    /// it is touched, but that `clear` clears the whole image.
+    pub rectangle: Option<[u32; 4]>,
+    /// What else is written.
+    pub outputs: Outputs<'a>,
+}
+
+/// Images beside the colour, all of its size, each written in the whole rectangle and usable as a render attachment.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Outputs<'a> {
+    /// `R32Float`: clip depth of the nearest fibre; the far plane's where there is none.
+    pub nearest_depth: Option<&'a wgpu::Texture>,
+    /// `R32Float`, `R16Float` or `R8Unorm`: the part of the pixel that hair covers, from 0 to 1: the alpha of the hair alone.
+    pub coverage: Option<&'a wgpu::Texture>,
+    /// `Rg32Float` or `Rg16Float`: how far the nearest fibre has moved on the screen since the frame before, in pixels, +x
+    /// right, +y down, the views' jitter left out; 0 where there is none.
+    pub motion: Option<&'a wgpu::Texture>,
+    /// `Rg32Uint`: of the nearest fibre, the hair's place in [`Frame::hairs`] in the lower 16 bits and its instance in the
+    /// upper 16; and the strand's number. [`NO_STRAND`] in both where there is none.
+    pub ids: Option<&'a wgpu::Texture>,
+}
+
+/// What both words of [`Outputs::ids`] hold where there is no hair.
+pub const NO_STRAND: u32 = u32::MAX;
+
+impl<'a> Outputs<'a> {
+    /// Name, image and formats of each output, in the order of the attachments.
+    pub(crate) fn images(
+        &self,
+    ) -> [(
+        &'static str,
+        Option<&'a wgpu::Texture>,
+        &'static [wgpu::TextureFormat],
+    ); 4] {
+        use wgpu::TextureFormat as Format;
+        [
+            ("nearest_depth", self.nearest_depth, &[Format::R32Float]),
+            (
+                "coverage",
+                self.coverage,
+                &[Format::R32Float, Format::R16Float, Format::R8Unorm],
+            ),
+            (
+                "motion",
+                self.motion,
+                &[Format::Rg32Float, Format::Rg16Float],
+            ),
+            ("ids", self.ids, &[Format::Rg32Uint]),
+        ]
+    }
+
+    /// Whether anything is asked for, and whether that takes a record of each point.
+    pub(crate) fn wanted(&self) -> (bool, bool) {
+        let tracked = self.motion.is_some() || self.ids.is_some();
+        let others = self.nearest_depth.is_some() || self.coverage.is_some();
+        (tracked || others, tracked)
+    }
 }
 
 impl<'a> Target<'a> {
@@ -50,7 +107,15 @@ impl<'a> Target<'a> {
             clear: true,
             write_depth: false,
             receive_shadow: false,
+            rectangle: None,
+            outputs: Outputs::default(),
         }
+    }
+
+    /// Left, top, width and height of what the view fills.
+    pub(crate) fn area(&self) -> [u32; 4] {
+        self.rectangle
+            .unwrap_or([0, 0, self.colour.width(), self.colour.height()])
     }
 
     pub(crate) fn validate(&self, device: &wgpu::Device) -> Result<()> {
@@ -76,6 +141,36 @@ impl<'a> Target<'a> {
                 "this device cannot blend into {:?}",
                 colour.format()
             )));
+        }
+        let [left, top, width, height] = self.area();
+        let fits = |first: u32, size: u32, all: u32| {
+            size > 0 && first.checked_add(size).is_some_and(|end| end <= all)
+        };
+        if !fits(left, width, colour.width()) || !fits(top, height, colour.height()) {
+            return invalid!(
+                "the rectangle of {width}×{height} pixels at ({left}, {top}) is not within the target's {}×{}",
+                colour.width(),
+                colour.height()
+            );
+        }
+        for (name, image, formats) in self.outputs.images() {
+            let Some(image) = image else { continue };
+            texture_fits(name, image, wgpu::TextureUsages::RENDER_ATTACHMENT)?;
+            if !formats.contains(&image.format()) {
+                return invalid!(
+                    "the target's {name} has the format {:?}; possible are {formats:?}",
+                    image.format()
+                );
+            }
+            if (image.width(), image.height()) != (colour.width(), colour.height()) {
+                return invalid!(
+                    "the target's {name} is {}×{}, its colour {}×{}",
+                    image.width(),
+                    image.height(),
+                    colour.width(),
+                    colour.height()
+                );
+            }
         }
         let Some(depth) = self.depth else {
             if self.write_depth || self.receive_shadow {
@@ -137,7 +232,7 @@ pub(crate) fn record(
 ) -> Result<()> {
     composite::clear(passes, target);
     let Some(bound) = resources.bound(plan) else {
-        return Ok(());
+        return composite::outputs_none(gpu, passes, plan, target);
     };
     resources.clear_maps(passes, plan);
     for map in &plan.maps {
@@ -160,6 +255,7 @@ pub(crate) fn record(
         &plan.bands[0].drawings,
         plan,
     )?;
+    geometry::track(gpu, passes, &bound, plan)?;
     shading::record(gpu, passes, &bound, plan)?;
     for band in &plan.bands {
         transparency::record(gpu, passes, &bound, band, plan)?;
@@ -167,6 +263,7 @@ pub(crate) fn record(
             composite::receive(gpu, passes, &bound, plan, target)?;
         }
         composite::record(gpu, passes, &bound, band, plan, target)?;
+        composite::outputs(gpu, passes, &bound, band, plan, target)?;
     }
     resources.read_counters(passes);
     Ok(())

@@ -18,18 +18,22 @@ pub(crate) enum Group {
     Project,
     Segments,
     Shade,
+    Track,
+    PointOutputs,
     MapsWritten,
     MapsRead,
     PixelsWritten,
     PixelsRead,
 }
 
-const GROUPS: [Group; 9] = [
+const GROUPS: [Group; 11] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
     Group::Segments,
     Group::Shade,
+    Group::Track,
+    Group::PointOutputs,
     Group::MapsWritten,
     Group::MapsRead,
     Group::PixelsWritten,
@@ -43,7 +47,12 @@ impl Group {
     fn index(self) -> usize {
         match self {
             Self::Frame => 0,
-            Self::HostTiles | Self::Project | Self::Segments | Self::Shade => 1,
+            Self::HostTiles
+            | Self::Project
+            | Self::Segments
+            | Self::Shade
+            | Self::Track
+            | Self::PointOutputs => 1,
             Self::MapsWritten | Self::MapsRead => 2,
             Self::PixelsWritten | Self::PixelsRead => 3,
         }
@@ -87,15 +96,19 @@ impl Group {
                 vec![uniform(0), uniform(1), uniform(2), depth]
             }
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
-            Self::Project => (0..5)
-                .map(|binding| storage(binding, Stages::COMPUTE, !(2..4).contains(&binding)))
+            Self::Project => (0..4)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding != 2))
                 .collect(),
             Self::Segments => (0..2)
                 .map(|binding| storage(binding, raster | Stages::VERTEX, true))
                 .collect(),
-            Self::Shade => (0..4)
+            Self::Shade => (0..5)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding < 4))
+                .collect(),
+            Self::Track => (0..4)
                 .map(|binding| storage(binding, Stages::COMPUTE, binding < 3))
                 .collect(),
+            Self::PointOutputs => vec![storage(0, Stages::FRAGMENT, true)],
             Self::MapsWritten => vec![storage(0, raster, false)],
             Self::MapsRead => vec![storage(0, raster, true)],
             Self::PixelsWritten => (0..PIXEL_BUFFERS)
@@ -205,7 +218,7 @@ pub(crate) struct RenderSpec<'a> {
     pub fragment: &'a str,
     pub groups: &'a [Group],
     pub topology: wgpu::PrimitiveTopology,
-    pub target: wgpu::ColorTargetState,
+    pub targets: Vec<Option<wgpu::ColorTargetState>>,
     pub depth_stencil: Option<wgpu::DepthStencilState>,
 }
 
@@ -442,7 +455,7 @@ impl Gpu {
                     module: &module,
                     entry_point: Some(spec.fragment),
                     compilation_options: Default::default(),
-                    targets: &[Some(spec.target)],
+                    targets: &spec.targets,
                 }),
                 multiview_mask: None,
                 cache: None,

@@ -18,7 +18,7 @@ pub const POINT_FIRST: u32 = 0x8000_0000;
 pub const POINT_LAST: u32 = 0x4000_0000;
 pub const POINT_STRAND: u32 = 0x3fff_ffff;
 /// Pixels a side of the tiles that know the host's farthest depth; the same in WGSL.
-pub const HOST_TILE: u32 = 8;
+pub const HOST_TILE: u32 = 4;
 /// Words a pixel of the overflow buffer; `OVERFLOW_WORDS` in WGSL.
 pub const OVERFLOW_WORDS: u64 = 7;
 /// Pixels that one workgroup of the scan treats; `SCAN_BLOCK` in WGSL.
@@ -44,8 +44,13 @@ pub struct Drawing {
     pub layer_extent: f32,
     pub row_first: u32,
     pub row_end: u32,
+    pub segment_count: u32,
+    pub front_shift: u32,
+    pub clip_from_object: [[f32; 4]; 4],
+    pub previous_clip_from_object: [[f32; 4]; 4],
+    pub jitter_motion: [f32; 2],
+    pub hair: u32,
     pub padding_0: u32,
-    pub padding_1: u32,
 }
 
 #[repr(C)]
@@ -71,8 +76,8 @@ pub struct ShadowView {
     pub depth_row: [f32; 4],
     pub front_base: u32,
     pub layer_base: u32,
+    pub front_shift: u32,
     pub padding_0: u32,
-    pub padding_1: u32,
 }
 
 #[repr(C)]
@@ -90,6 +95,9 @@ pub struct Frame {
     pub run_points: u32,
     pub run_rows: u32,
     pub part_capacity: u32,
+    pub origin: [u32; 2],
+    pub padding_0: u32,
+    pub padding_1: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
 }
@@ -108,9 +116,9 @@ pub struct Counters {
     pub stored: u32,
     pub merged: u32,
     pub overflow: u32,
-    pub mismatched: u32,
     pub covered: u32,
     pub padding_0: u32,
+    pub padding_1: u32,
     pub walk_arguments: [u32; 4],
     pub ribbon_arguments: [u32; 4],
 }
@@ -131,15 +139,18 @@ pub struct PointAttributes {
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Projected {
-    pub position: [f32; 2],
-    pub depth: f32,
-    pub half_width: f32,
+pub struct PointOutput {
+    pub motion: [f32; 2],
+    pub hair: u32,
+    pub strand: u32,
 }
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct ProjectedAttributes {
+pub struct Projected {
+    pub position: [f32; 2],
+    pub depth: f32,
+    pub half_width: f32,
     pub bisector: u32,
     pub flags: u32,
 }

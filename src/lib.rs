@@ -24,13 +24,13 @@ pub mod transparency;
 mod view;
 
 pub use error::{Error, Result};
-pub use frame::{Frame, Target};
-pub use geometry::Hair;
+pub use frame::{Frame, NO_STRAND, Outputs, Target};
+pub use geometry::{Hair, Instance};
 pub use glam;
 pub use layout::MAX_LIGHTS;
 pub use light::{Light, LightKind};
 pub use raster::Raster;
 pub use renderer::Renderer;
 pub use statistics::{Fragments, PassTime, Statistics};
-pub use view::View;
+pub use view::{PreviousView, View};
 pub use wgpu;

@@ -5,19 +5,23 @@ use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, Target};
-use crate::geometry::{Hair, MAX_FRAME_POINTS, Run};
+use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, workgroups};
 use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
+use crate::shadow::deep_opacity_map::front_shift;
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::Transparency;
 use crate::transparency::a_buffer::FRAGMENT_BYTES;
+use crate::view::View;
 
 /// A run of a hair, and where its points lie among the frame's pooled points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PlannedRun {
     pub hair: usize,
+    /// Number among the frame's placed hairs: a hair's instances are placed one by one.
+    pub placed: usize,
     pub run: Run,
     pub base: u32,
     pub material: u32,
@@ -26,6 +30,8 @@ pub(crate) struct PlannedRun {
 /// One map of one light.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlannedMap {
+    /// Blocks of 1 << front_shift texels a side share one front.
+    pub front_shift: u32,
     pub settings: DeepOpacityMap,
     pub rasteriser: Rasteriser,
     /// Uniform offsets, one a run.
@@ -68,6 +74,10 @@ pub(crate) struct Plan {
     pub shadowed: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
+    /// Whether an output asks for a record of each point.
+    pub tracked: bool,
+    /// The pixel of the target that the view begins at.
+    pub origin: [u32; 2],
     /// Parts of the fragment pool that the frame uses, from 1 to 3.
     pub parts: u32,
     pub frame_uniform: layout::Frame,
@@ -88,18 +98,45 @@ const PIXELS_AN_INVOCATION: f64 = 8192.0;
 
 /// A hair as the frame sees it.
 struct Placed {
+    hair: usize,
+    instance: usize,
     relative_from_object: DMat4,
+    /// World space from the object space of the points now, and of the frame before's points then.
+    world_from_points: DMat4,
+    previous_world_from_points: DMat4,
     /// Corners of its box in relative space.
     corners: [DVec3; 8],
     scale: f64,
     radius: f64,
 }
 
-fn place(hair: &Hair, origin: DVec3) -> Placed {
+/// A hair's instances, or itself.
+fn place_all(number: usize, hair: &Hair, origin: DVec3) -> Vec<Placed> {
+    let single = [Instance {
+        object_from_instance: DMat4::IDENTITY,
+        previous_object_from_instance: None,
+    }];
+    let instances = if hair.instances.is_empty() {
+        &single[..]
+    } else {
+        &hair.instances
+    };
+    let place = |(at, instance)| place(number, hair, at, instance, origin);
+    instances.iter().enumerate().map(place).collect()
+}
+
+fn place(number: usize, hair: &Hair, at: usize, instance: &Instance, origin: DVec3) -> Placed {
     let geometry = &hair.geometry;
-    let relative_from_object = DMat4::from_translation(-origin)
-        * hair.world_from_object
-        * DMat4::from_translation(geometry.origin);
+    let world_from_instance = hair.world_from_object * instance.object_from_instance;
+    let previous_world_from_instance = hair
+        .previous_world_from_object
+        .unwrap_or(hair.world_from_object)
+        * instance
+            .previous_object_from_instance
+            .unwrap_or(instance.object_from_instance);
+    let previous_origin = geometry.previous().map_or(geometry.origin, |(_, at)| at);
+    let world_from_points = world_from_instance * DMat4::from_translation(geometry.origin);
+    let relative_from_object = DMat4::from_translation(-origin) * world_from_points;
     let corners = std::array::from_fn(|corner| {
         let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
         relative_from_object
@@ -110,7 +147,12 @@ fn place(hair: &Hair, origin: DVec3) -> Placed {
         .abs()
         .cbrt();
     Placed {
+        hair: number,
+        instance: at,
         relative_from_object,
+        world_from_points,
+        previous_world_from_points: previous_world_from_instance
+            * DMat4::from_translation(previous_origin),
         corners,
         scale,
         radius: geometry.max_radius * scale,
@@ -154,11 +196,16 @@ impl Plan {
         transparency.validate()?;
         let shading = one_shading(frame)?;
 
-        let (width, height) = (target.colour.width(), target.colour.height());
+        let [left, top, width, height] = target.area();
         let origin = frame.view.origin();
-        let placed: Vec<Placed> = frame.hairs.iter().map(|hair| place(hair, origin)).collect();
-        let (runs, point_count) = plan_runs(frame, gpu)?;
-        let clip_from_relative = frame.view.clip_from_view
+        let placed: Vec<Placed> = frame
+            .hairs
+            .iter()
+            .enumerate()
+            .flat_map(|(number, hair)| place_all(number, hair, origin))
+            .collect();
+        let (runs, point_count) = plan_runs(frame, &placed, gpu)?;
+        let clip_from_relative = frame.view.clip_y_up_from_view()
             * frame.view.view_from_world
             * DMat4::from_translation(origin);
         let eye = frame.view.eye();
@@ -174,10 +221,12 @@ impl Plan {
         let mut plan = Self {
             width,
             height,
-            serials: frame
-                .hairs
+            serials: runs
                 .iter()
-                .map(|hair| hair.geometry.serial)
+                .flat_map(|run| {
+                    let geometry = &frame.hairs[run.hair].geometry;
+                    [geometry.serial, u64::from(geometry.previous().is_some())]
+                })
                 .collect(),
             maps: Vec::new(),
             bands: Vec::new(),
@@ -188,20 +237,20 @@ impl Plan {
             map_words: 0,
             expected_fragments: seen.fragments as u64,
             uniforms: Vec::new(),
-            strands: frame
-                .hairs
+            strands: placed
                 .iter()
-                .map(|hair| hair.geometry.strand_count)
+                .map(|placed| frame.hairs[placed.hair].geometry.strand_count)
                 .sum(),
-            segments: frame
-                .hairs
+            segments: placed
                 .iter()
-                .map(|hair| hair.geometry.segment_count)
+                .map(|placed| frame.hairs[placed.hair].geometry.segment_count)
                 .sum(),
             shading,
             shadowed: false,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
+            tracked: target.outputs.wanted().1,
+            origin: [left, top],
             parts: 1,
             frame_uniform: layout::Frame {
                 ambient: frame.ambient.into(),
@@ -220,6 +269,9 @@ impl Plan {
                 run_points: largest,
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
+                origin: [left, top],
+                padding_0: 0,
+                padding_1: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
             },
@@ -279,16 +331,23 @@ impl Plan {
 
     /// One drawing a run, alike but for the hair.
     fn drawings(&mut self, frame: &Frame, placed: &[Placed], common: &layout::Drawing) -> Vec<u32> {
+        let clip_from_world = |view: &View| view.clip_y_up_from_view() * view.view_from_world;
+        let now = clip_from_world(&frame.view);
+        let before = clip_from_world(&frame.view.before());
         (0..self.runs.len())
             .map(|number| {
                 let run = self.runs[number];
-                let hair = &placed[run.hair];
+                let hair = &placed[run.placed];
                 self.uniform(&layout::Drawing {
+                    clip_from_object: matrix(now * hair.world_from_points),
+                    previous_clip_from_object: matrix(before * hair.previous_world_from_points),
+                    hair: hair.hair as u32 | (hair.instance as u32) << 16,
                     relative_from_object: matrix(hair.relative_from_object),
                     radius_scale: hair.scale as f32,
                     opacity: frame.hairs[run.hair].opacity,
                     point_count: run.run.count,
                     point_base: run.base,
+                    segment_count: run.run.segments,
                     ..*common
                 })
             })
@@ -365,8 +424,10 @@ impl Plan {
         gpu: &Gpu,
     ) -> Result<()> {
         let texels = u64::from(settings.resolution).pow(2);
+        let front_shift = front_shift(half_width);
+        let fronts = u64::from(settings.resolution.div_ceil(1 << front_shift)).pow(2);
         let front_base = self.map_words;
-        let layer_base = front_base + texels;
+        let layer_base = front_base + fronts;
         self.map_words = layer_base + texels * u64::from(settings.layers);
         if self.map_words * 4 > gpu.max_binding() {
             return Err(Error::Unsupported(format!(
@@ -380,8 +441,8 @@ impl Plan {
             depth_row: vector(camera.depth_row),
             front_base: front_base as u32,
             layer_base: layer_base as u32,
+            front_shift,
             padding_0: 0,
-            padding_1: 0,
         };
         let seen = Seen {
             half_width_px: half_width,
@@ -399,6 +460,7 @@ impl Plan {
                 splits: seen.splits(),
                 front_base: front_base as u32,
                 layer_base: layer_base as u32,
+                front_shift,
                 layer_count: settings.layers,
                 layer_extent: extent as f32,
                 row_end: settings.resolution,
@@ -408,6 +470,7 @@ impl Plan {
         let rasteriser = settings.raster.choose(half_width);
         self.maps.push(PlannedMap {
             settings,
+            front_shift,
             rasteriser,
             drawings,
             splits: seen.splits(),
@@ -438,6 +501,8 @@ impl Plan {
         } else {
             0
         };
+        let previous = frame.view.before();
+        let jitter = |axis: usize| frame.view.jitter[axis] - previous.jitter[axis];
         for (number, first) in (0..self.height).step_by(rows as usize).enumerate() {
             let rows = rows.min(self.height - first);
             let drawings = self.drawings(
@@ -452,6 +517,7 @@ impl Plan {
                     splits: self.splits,
                     row_first: first,
                     row_end: first + rows,
+                    jitter_motion: [jitter(0), jitter(1)],
                     ..bytemuck::Zeroable::zeroed()
                 },
             );
@@ -466,13 +532,14 @@ impl Plan {
 }
 
 /// The runs of all hairs, with their places in the pools.
-fn plan_runs(frame: &Frame, gpu: &Gpu) -> Result<(Vec<PlannedRun>, u64)> {
+fn plan_runs(frame: &Frame, placed: &[Placed], gpu: &Gpu) -> Result<(Vec<PlannedRun>, u64)> {
     let mut runs = Vec::new();
     let mut base = 0u64;
-    for (number, hair) in frame.hairs.iter().enumerate() {
-        for run in &hair.geometry.runs {
+    for (number, placed) in placed.iter().enumerate() {
+        for run in &frame.hairs[placed.hair].geometry.runs {
             runs.push(PlannedRun {
-                hair: number,
+                hair: placed.hair,
+                placed: number,
                 run: *run,
                 base: base as u32,
                 material: 0,
@@ -585,7 +652,8 @@ fn view_size(
         length_px: 0.0,
         fragments: 0.0,
     };
-    for (hair, placed) in frame.hairs.iter().zip(placed) {
+    for placed in placed {
+        let hair = frame.hairs[placed.hair];
         if hair.geometry.segment_count == 0 {
             continue;
         }

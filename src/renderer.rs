@@ -49,11 +49,14 @@ impl Renderer {
             shading: Default::default(),
             shadow: None,
             transparency: None,
+            previous_world_from_object: None,
+            instances: Vec::new(),
             geometry: Geometry::new(&self.gpu, strands, SERIAL.fetch_add(1, Ordering::Relaxed))?,
         })
     }
 
     /// Replaces every position of a hair: moving hair with the same strands. Takes effect with the next frame recorded.
+    /// Motion vectors tell from the positions before the last update, until [`Hair::rest`].
     ///
     /// # Errors
     /// Another number of points, or a position that is not finite; the hair is then as it was.
@@ -101,6 +104,8 @@ impl Renderer {
         self.collect();
         if self.resources.next_slot_busy() {
             self.wait()?;
+            // What has arrived meanwhile is still mapped.
+            self.collect();
             if self.resources.next_slot_busy() {
                 return Err(Error::InvalidValue(
                     "eight frames have been recorded and none of them submitted; submit before recording more".into(),
@@ -161,13 +166,6 @@ impl Renderer {
             merged: returned.merged,
         };
         self.statistics.covered_pixels = returned.covered;
-        self.statistics.mismatched = returned.mismatched;
-        if returned.mismatched > 0 {
-            log::error!(
-                "{} fragments were stored that had not been counted",
-                returned.mismatched
-            );
-        }
         if returned.merged > 0 {
             log::warn!(
                 "the fragment pool was too small: {} of {} fragments were merged",

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, OVERFLOW_WORDS, SCAN_BLOCK};
+use crate::layout::{Counters, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::transparency::Transparency;
@@ -61,12 +61,16 @@ pub(crate) struct RunGroups {
     pub project: wgpu::BindGroup,
     pub segments: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
+    /// Where an output asks for it.
+    pub track: Option<wgpu::BindGroup>,
 }
 
 /// Bind groups of the pools.
 struct Groups {
     serials: Vec<u64>,
     generation: u64,
+    tracked: bool,
+    point_outputs: wgpu::BindGroup,
     runs: Vec<RunGroups>,
     host_tiles: wgpu::BindGroup,
     maps_written: wgpu::BindGroup,
@@ -86,6 +90,7 @@ pub(crate) struct Bound<'a> {
     pub pixels_written: &'a wgpu::BindGroup,
     pub pixels: &'a Pixels,
     pub pixels_read: &'a wgpu::BindGroup,
+    pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
     /// A copy of the counters, for the arguments in them.
     pub arguments: &'a wgpu::Buffer,
@@ -143,7 +148,6 @@ pub(crate) struct Returned {
     pub culled: u64,
     pub stored: u64,
     pub merged: u64,
-    pub mismatched: u64,
     pub covered: u64,
     /// The most that one band asked of the pool.
     pub needed: u64,
@@ -152,8 +156,8 @@ pub(crate) struct Returned {
 /// Pools, ring and bind groups.
 pub(crate) struct Resources {
     projected: Allocation,
-    projected_attributes: Allocation,
     shaded: Allocation,
+    point_outputs: Allocation,
     host_tiles: Allocation,
     maps: Allocation,
     pixels: Pixels,
@@ -219,8 +223,8 @@ impl Resources {
             .collect::<Result<Vec<_>>>()?;
         Ok(Self {
             projected: empty("pelage.geometry.projected")?,
-            projected_attributes: empty("pelage.geometry.projected_attributes")?,
             shaded: empty("pelage.shading.points")?,
+            point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
             pixels: Pixels {
@@ -284,7 +288,9 @@ impl Resources {
         }
         self.grow_attachment(gpu, plan);
         let key_matches = self.groups.as_ref().is_some_and(|groups| {
-            groups.generation == self.generation && groups.serials == plan.serials
+            groups.generation == self.generation
+                && groups.serials == plan.serials
+                && (groups.tracked || !plan.tracked)
         });
         if !key_matches {
             self.groups = Some(self.bind(gpu, frame, plan));
@@ -301,14 +307,7 @@ impl Resources {
             gpu,
             &mut self.projected,
             "pelage.geometry.projected",
-            points * 16,
-            generation,
-        )?;
-        grow(
-            gpu,
-            &mut self.projected_attributes,
-            "pelage.geometry.projected_attributes",
-            points * 8,
+            points * size_of::<Projected>() as u64,
             generation,
         )?;
         grow(
@@ -318,6 +317,15 @@ impl Resources {
             points * 8,
             generation,
         )?;
+        if plan.tracked {
+            grow(
+                gpu,
+                &mut self.point_outputs,
+                "pelage.geometry.point_outputs",
+                points * size_of::<PointOutput>() as u64,
+                generation,
+            )?;
+        }
         if plan.host_depth {
             let bytes = u64::from(plan.tile_count()) * 8;
             grow(
@@ -520,8 +528,8 @@ impl Resources {
                 );
                 let points = || part(&geometry.points, first, count, 16);
                 let attributes = || part(&geometry.attributes, first, count, 8);
-                let projected = || part(&self.projected, base, count, 16);
-                let projected_attributes = || part(&self.projected_attributes, base, count, 8);
+                let each = size_of::<Projected>() as u64;
+                let projected = || part(&self.projected, base, count, each);
                 RunGroups {
                     project: gpu.bind(
                         "pelage.project",
@@ -530,14 +538,13 @@ impl Resources {
                             points(),
                             attributes(),
                             projected(),
-                            projected_attributes(),
                             self.host_tiles.binding(),
                         ],
                     ),
                     segments: gpu.bind(
                         "pelage.segments",
                         Group::Segments,
-                        &[projected(), projected_attributes()],
+                        &[projected(), part(&geometry.segments, first, count, 4)],
                     ),
                     shade: gpu.bind(
                         "pelage.shade",
@@ -546,9 +553,26 @@ impl Resources {
                             points(),
                             attributes(),
                             geometry.colours.binding(),
+                            projected(),
                             self.shaded.binding(),
                         ],
                     ),
+                    track: plan.tracked.then(|| {
+                        let previous = match geometry.previous() {
+                            Some((buffer, _)) => part(buffer, first, count, 16),
+                            None => points(),
+                        };
+                        gpu.bind(
+                            "pelage.track",
+                            Group::Track,
+                            &[
+                                points(),
+                                previous,
+                                attributes(),
+                                self.point_outputs.binding(),
+                            ],
+                        )
+                    }),
                 }
             })
             .collect();
@@ -569,6 +593,12 @@ impl Resources {
         Groups {
             serials: plan.serials.clone(),
             generation: self.generation,
+            tracked: plan.tracked,
+            point_outputs: gpu.bind(
+                "pelage.point_outputs",
+                Group::PointOutputs,
+                &[self.point_outputs.binding()],
+            ),
             runs,
             host_tiles: gpu.bind(
                 "pelage.host_tiles",
@@ -655,6 +685,7 @@ impl Resources {
             maps_read: &groups.maps_read,
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
+            point_outputs: &groups.point_outputs,
             pixels: &self.pixels,
             attachment: self
                 .attachment
@@ -758,7 +789,6 @@ fn read_slot(slot: &Slot) -> Returned {
         sum.culled += culled;
         sum.stored += stored;
         sum.merged += merged;
-        sum.mismatched += u64::from(counters.mismatched);
         sum.covered += u64::from(counters.covered);
         sum.needed = sum.needed.max(needed);
     }

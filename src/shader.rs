@@ -22,6 +22,7 @@ files![
     "common/host_tiles",
     "common/project",
     "common/scan",
+    "common/track",
     "raster/walk",
     "raster/ribbons",
     "shading/points",
@@ -41,6 +42,8 @@ files![
     "transparency/a_buffer_overflow",
     "composite",
     "receive",
+    "outputs",
+    "outputs_none",
 ];
 
 /// What every module begins with.

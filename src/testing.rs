@@ -48,6 +48,14 @@ pub fn combinations() -> Vec<Combination> {
             format!("composite {name}"),
             resolve_module(&technique, 3).and(&["composite"]),
         ));
+        for tracked in [false, true] {
+            modules.push((
+                format!("outputs {name}, tracked {tracked}"),
+                resolve_module(&technique, 3)
+                    .and(&["outputs"])
+                    .with("TRACKED", Constant::Bool(tracked)),
+            ));
+        }
     }
     modules.push((
         "project".into(),
@@ -65,9 +73,19 @@ pub fn combinations() -> Vec<Combination> {
         let points = Module::new(look_up(shadowed)).and(&["shading/points", kajiya_kay::POINTS.1]);
         modules.push((format!("points, shadowed {shadowed}"), points));
     }
+    modules.push(("track".into(), Module::new(&["common/track"])));
+    for reverse in [false, true] {
+        modules.push((
+            format!("outputs_none {reverse}"),
+            Module::new(&["outputs_none"]).with("REVERSE_Z", Constant::Bool(reverse)),
+        ));
+    }
     modules.push((
         "prefix".into(),
-        Module::new(&["shadow/deep_opacity_map_prefix"]),
+        Module::new(&[
+            "shadow/deep_opacity_map_common",
+            "shadow/deep_opacity_map_prefix",
+        ]),
     ));
     modules.push((
         "overflow".into(),
@@ -129,22 +147,23 @@ pub fn layouts() -> Vec<Layout> {
     layouts! {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
-            point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end, padding_0,
-            padding_1,
+            point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
+            segment_count, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
+            padding_0,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
         }
-        ShadowView { clip_from_relative, depth_row, front_base, layer_base, padding_0, padding_1 }
+        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
         }
         Material { values }
-        Counters { produced, culled, stored, merged, overflow, mismatched, covered, padding_0, walk_arguments, ribbon_arguments }
+        Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
         PointAttributes { strand, coordinate }
-        Projected { position, depth, half_width }
-        ProjectedAttributes { bisector, flags }
+        PointOutput { motion, hair, strand }
+        Projected { position, depth, half_width, bisector, flags }
     }
 }
 

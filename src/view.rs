@@ -15,6 +15,24 @@ pub struct View {
     pub clip_from_view: DMat4,
     /// Clip depth 1 is near and 0 far.
     pub reverse_z: bool,
+    /// Clip space's y points down the image, as Vulkan's own convention has it, not up.
+    pub flip_y: bool,
+    /// How far `clip_from_view` shifts the image for temporal antialiasing, in pixels, +x right, +y down. It is taken out
+    /// of motion vectors and changes nothing else.
+    pub jitter: [f32; 2],
+    /// The camera of the frame before, for motion vectors. `None`: it stood still.
+    pub previous: Option<PreviousView>,
+}
+
+/// What a view was in the frame before; fields as in [`View`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PreviousView {
+    /// Camera space from world space.
+    pub view_from_world: DMat4,
+    /// Clip space from camera space.
+    pub clip_from_view: DMat4,
+    /// In pixels.
+    pub jitter: [f32; 2],
 }
 
 impl View {
@@ -55,6 +73,9 @@ impl View {
             view_from_world: look_at(eye, target - eye, up),
             clip_from_view,
             reverse_z: false,
+            flip_y: false,
+            jitter: [0.0; 2],
+            previous: None,
         })
     }
 
@@ -69,12 +90,42 @@ impl View {
         }
     }
 
+    /// The view of the frame before, or this one.
+    pub(crate) fn before(&self) -> Self {
+        let Some(previous) = self.previous else {
+            return *self;
+        };
+        Self {
+            view_from_world: previous.view_from_world,
+            clip_from_view: previous.clip_from_view,
+            jitter: previous.jitter,
+            ..*self
+        }
+    }
+
+    /// Clip space, with y up the image, from camera space.
+    pub(crate) fn clip_y_up_from_view(&self) -> DMat4 {
+        let flip = DVec3::new(1.0, if self.flip_y { -1.0 } else { 1.0 }, 1.0);
+        DMat4::from_scale(flip) * self.clip_from_view
+    }
+
     /// Where relative space has its zero: the eye's position, so that what is near keeps its precision.
     pub(crate) fn origin(&self) -> DVec3 {
         self.view_from_world.inverse().w_axis.truncate()
     }
 
     pub(crate) fn validate(&self) -> Result<()> {
+        if let Some(previous) = &self.previous {
+            let finite = previous.view_from_world.is_finite()
+                && previous.clip_from_view.is_finite()
+                && previous.jitter.iter().all(|shift| shift.is_finite());
+            if !finite {
+                return invalid!("the previous view has a value that is not finite");
+            }
+        }
+        if !self.jitter.iter().all(|shift| shift.is_finite()) {
+            return invalid!("jitter {:?} is not finite", self.jitter);
+        }
         for (name, matrix) in [
             ("view_from_world", &self.view_from_world),
             ("clip_from_view", &self.clip_from_view),

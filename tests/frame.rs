@@ -962,6 +962,7 @@ fn targets_that_do_not_fit_are_refused() {
         clear: true,
         write_depth: true,
         receive_shadow: true,
+        ..Target::cleared(&colour)
     };
     device.render(&frame, &fitting).unwrap();
 

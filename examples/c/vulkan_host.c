@@ -474,7 +474,7 @@ int main(int argc, char **argv) {
     }
     memcpy(ball, head, sizeof ball);
     const float head_sphere[7] = { 0.0f, 0.02f, 0.0f, 0.085f, 0.6f, 0.4f, 0.3f };
-    const float ball_sphere[7] = { 0.03f, -0.07f, -0.1f, 0.05f, 0.1f, 0.25f, 0.6f };
+    const float ball_sphere[7] = { 0.03f, -0.07f, -0.08f, 0.05f, 0.1f, 0.25f, 0.6f };
     memcpy(head + 16, head_sphere, sizeof head_sphere);
     memcpy(ball + 16, ball_sphere, sizeof ball_sphere);
 

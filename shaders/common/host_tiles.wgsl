@@ -5,6 +5,7 @@
 
 @compute @workgroup_size(64)
 fn host_tiles_range(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    pixels_begin();
     let number = invocation.x + invocation.y * groups.x * 64u;
     let columns = (frame.width + HOST_TILE - 1u) / HOST_TILE;
     let rows = (frame.height + HOST_TILE - 1u) / HOST_TILE;
@@ -15,7 +16,7 @@ fn host_tiles_range(@builtin(global_invocation_id) invocation: vec3u, @builtin(n
     var nearest = 0xffffffffu;
     for (var y = first.y; y < end.y; y++) {
         for (var x = first.x; x < end.x; x++) {
-            let key = depth_key(textureLoad(host_depth, vec2u(x, y), 0));
+            let key = depth_key(textureLoad(host_depth, vec2u(x, y) + frame.origin, 0));
             farthest = max(farthest, key);
             nearest = min(nearest, key);
         }

@@ -30,8 +30,18 @@ struct Drawing {
     // Rows of the view that this pass treats; pooled pixels are numbered from `row_first`.
     row_first: u32,
     row_end: u32,
+    // Segments of the run, and entries of its order.
+    segment_count: u32,
+    // Blocks of 1 << front_shift texels a side share one front.
+    front_shift: u32,
+    // Clip space of this frame and of the one before, y up, from the object space of this frame's and that one's points.
+    clip_from_object: mat4x4f,
+    previous_clip_from_object: mat4x4f,
+    // How much of a point's motion is the views' jitter, in pixels.
+    jitter_motion: vec2f,
+    // The hair's place in the frame, and its instance in the upper 16 bits.
+    hair: u32,
     padding_0: u32,
-    padding_1: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -39,7 +49,7 @@ const DRAWING_REVERSE_Z: u32 = 2u;
 const DRAWING_HOST_DEPTH: u32 = 4u;
 
 // Pixels a side of the tiles that know the host's farthest depth.
-const HOST_TILE: u32 = 8u;
+const HOST_TILE: u32 = 4u;
 
 struct Light {
     // Position (w = 1) or direction towards the light (w = 0), in relative space.
@@ -66,8 +76,8 @@ struct ShadowView {
     depth_row: vec4f,
     front_base: u32,
     layer_base: u32,
+    front_shift: u32,
     padding_0: u32,
-    padding_1: u32,
 }
 
 struct Frame {
@@ -89,6 +99,10 @@ struct Frame {
     run_rows: u32,
     // Fragments that each of the pool's three parts holds.
     part_capacity: u32,
+    // The pixel of the target that the view begins at.
+    origin: vec2u,
+    padding_0: u32,
+    padding_1: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }
@@ -108,10 +122,9 @@ struct Counters {
     merged: atomic<u32>,
     // 1 where the pool is too small for this frame.
     overflow: atomic<u32>,
-    // Fragments for which a pass counted no room: a fault of the library, zero in every test.
-    mismatched: atomic<u32>,
     covered: atomic<u32>,
     padding_0: u32,
+    padding_1: u32,
     // Arguments of the overflow's walks and ribbons: all zero, and so none is run, where the pool suffices.
     walk_arguments: vec4u,
     ribbon_arguments: vec4u,
@@ -134,15 +147,19 @@ const POINT_FIRST: u32 = 0x80000000u;
 const POINT_LAST: u32 = 0x40000000u;
 const POINT_STRAND: u32 = 0x3fffffffu;
 
+// What the outputs beside the colour say of a point: motion on the screen in pixels, and whose it is.
+struct PointOutput {
+    motion: vec2f,
+    hair: u32,
+    strand: u32,
+}
+
 // A point as a view or a light sees it: position in pixels, depth, half-width in pixels.
 struct Projected {
     position: vec2f,
     depth: f32,
     half_width: f32,
-}
-
-// `bisector` is the unit normal of the plane that parts the point's two segments (2 × snorm16).
-struct ProjectedAttributes {
+    // Unit normal of the plane that parts the point's two segments (2 × snorm16).
     bisector: u32,
     // PROJECTED_… below, and how far it is along the strand to its first and its last point, in pixels up to 1, in 12
     // bits each.

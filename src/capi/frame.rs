@@ -16,10 +16,14 @@ use crate::geometry::Hair;
 use crate::layout::MAX_LIGHTS;
 use crate::light::{Light, LightKind};
 use crate::transparency::Transparency;
-use crate::view::View;
+use crate::view::{PreviousView, View};
 
 /// Clip depth 1 is near and 0 far.
 pub const PELAGE_VIEW_REVERSE_Z: u32 = 1;
+/// Clip space's y points down the image, as Vulkan's own convention has it, not up.
+pub const PELAGE_VIEW_FLIP_Y: u32 = 2;
+/// The previous matrices and jitter are given, for motion vectors; without it the camera stood still.
+pub const PELAGE_VIEW_PREVIOUS: u32 = 4;
 
 /// A light so far away that its rays are parallel.
 pub const PELAGE_LIGHT_DIRECTIONAL: u32 = 0;
@@ -45,6 +49,17 @@ pub struct PelageView {
     pub view_from_world: [f64; 16],
     /// Clip space from camera space, column-major. Can be inverted.
     pub clip_from_view: [f64; 16],
+    /// With `PELAGE_VIEW_PREVIOUS`: both matrices of the frame before.
+    pub previous_view_from_world: [f64; 16],
+    /// See above.
+    pub previous_clip_from_view: [f64; 16],
+    /// How far `clip_from_view` shifts the image for temporal antialiasing, in pixels, +x right, +y down; it is taken out of
+    /// motion vectors and changes nothing else.
+    pub jitter: [f32; 2],
+    /// The same of the frame before.
+    pub previous_jitter: [f32; 2],
+    /// The part of the target that the view fills: left, top, width, height in pixels; all 0: the whole target.
+    pub rectangle: [u32; 4],
 }
 
 impl Default for PelageView {
@@ -55,11 +70,16 @@ impl Default for PelageView {
             flags: 0,
             view_from_world: identity,
             clip_from_view: identity,
+            previous_view_from_world: identity,
+            previous_clip_from_view: identity,
+            jitter: [0.0; 2],
+            previous_jitter: [0.0; 2],
+            rectangle: [0; 4],
         }
     }
 }
 
-descriptor!(PelageView, "PELAGE_VIEW_INIT", clip_from_view: [f64; 16]);
+descriptor!(PelageView, "PELAGE_VIEW_INIT", rectangle: [u32; 4]);
 
 /// One light.
 #[repr(C)]
@@ -187,6 +207,7 @@ pub(super) struct GivenFrame<'a> {
     lights: Vec<Light>,
     ambient: [f32; 3],
     view: View,
+    pub(super) rectangle: Option<[u32; 4]>,
     transparency: Option<Transparency>,
 }
 
@@ -202,6 +223,8 @@ impl<'a> GivenFrame<'a> {
             descriptor::read_array("lights", given.lights, given.light_count, MAX_LIGHTS)
         }?;
         // SAFETY: the rule of the module `capi`.
+        let (view, rectangle) = unsafe { view(given.view) }?;
+        // SAFETY: the rule of the module `capi`.
         unsafe {
             Ok(Self {
                 hairs: slice(
@@ -216,7 +239,8 @@ impl<'a> GivenFrame<'a> {
                     .map(|(at, given)| light(at, given))
                     .collect::<Result<_>>()?,
                 ambient: given.ambient,
-                view: view(given.view)?,
+                view,
+                rectangle,
                 transparency: settings::transparency("transparency", given.transparency)?,
             })
         }
@@ -252,15 +276,24 @@ impl<'a> GivenFrame<'a> {
     }
 }
 
-unsafe fn view(pointer: *const PelageView) -> Result<View> {
+unsafe fn view(pointer: *const PelageView) -> Result<(View, Option<[u32; 4]>)> {
     // SAFETY: the rule of the module `capi`.
     let given = unsafe { descriptor::read("view", pointer) }?;
-    let flags = flags("view: flags", given.flags, PELAGE_VIEW_REVERSE_Z)?;
-    Ok(View {
+    let all = PELAGE_VIEW_REVERSE_Z | PELAGE_VIEW_FLIP_Y | PELAGE_VIEW_PREVIOUS;
+    let flags = flags("view: flags", given.flags, all)?;
+    let view = View {
         view_from_world: DMat4::from_cols_array(&given.view_from_world),
         clip_from_view: DMat4::from_cols_array(&given.clip_from_view),
         reverse_z: flags & PELAGE_VIEW_REVERSE_Z != 0,
-    })
+        flip_y: flags & PELAGE_VIEW_FLIP_Y != 0,
+        jitter: given.jitter,
+        previous: (flags & PELAGE_VIEW_PREVIOUS != 0).then(|| PreviousView {
+            view_from_world: DMat4::from_cols_array(&given.previous_view_from_world),
+            clip_from_view: DMat4::from_cols_array(&given.previous_clip_from_view),
+            jitter: given.previous_jitter,
+        }),
+    };
+    Ok((view, (given.rectangle != [0; 4]).then_some(given.rectangle)))
 }
 
 unsafe fn light(number: usize, given: &PelageLight) -> Result<Light> {

@@ -14,6 +14,7 @@ use super::strands::{
     interpolated, read_strands,
 };
 use crate::error::{Result, invalid};
+use crate::geometry::{Instance, MAX_INSTANCES};
 use crate::groom::{BuiltinGroom, MAX_POINTS, Strands, builtin, formats};
 
 /// Long and straight, parted.
@@ -303,26 +304,108 @@ pub unsafe extern "C" fn pelage_hair_set_transform(
 ) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
-        let matrix =
-            DMat4::from_cols_array(&unsafe { array("world_from_object", world_from_object) }?);
-        let determinant = matrix.determinant();
-        if !matrix.is_finite() || determinant == 0.0 || !determinant.is_finite() {
-            return invalid!(
-                "world_from_object {:?} cannot be inverted",
-                matrix.to_cols_array()
-            );
-        }
-        if matrix.row(3) != glam::DVec4::W {
-            return invalid!(
-                "world_from_object's last row {} is not that of an affine transform, (0, 0, 0, 1)",
-                matrix.row(3)
-            );
-        }
+        let matrix = unsafe { affine("world_from_object", world_from_object) }?;
         hair.with(|hair, _| {
             hair.world_from_object = matrix;
             Ok(())
         })
     })
+}
+
+/// Says where a hair was in the frame before, for motion vectors: `world_from_object` of then, 16 doubles, column-major. NULL: where
+/// it is.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_hair_set_previous_transform(
+    hair: PelageHair,
+    world_from_object: *const f64,
+) -> PelageResult {
+    guard(|| {
+        let previous = if world_from_object.is_null() {
+            None
+        } else {
+            // SAFETY: the rule of the module `capi`.
+            Some(unsafe { affine("world_from_object", world_from_object) }?)
+        };
+        hair.with(|hair, _| {
+            hair.previous_world_from_object = previous;
+            Ok(())
+        })
+    })
+}
+
+/// Draws `count` copies of a hair, up to 65535, each placed by its own transform and then by the hair's:
+/// `object_from_instance`, 16 doubles a copy, column-major, affine transforms that can be inverted.
+/// `previous_object_from_instance`: the same of the frame before, for motion vectors, or NULL. 0 copies: the hair itself, once.
+///
+/// Errors: a transform that is not affine, not finite or cannot be inverted; too many copies.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_hair_set_instances(
+    hair: PelageHair,
+    object_from_instance: *const f64,
+    previous_object_from_instance: *const f64,
+    count: u32,
+) -> PelageResult {
+    guard(|| {
+        if count as usize > MAX_INSTANCES {
+            return invalid!("{count} instances: a hair has at most {MAX_INSTANCES}");
+        }
+        let matrix = |name: &str, pointer: *const f64, at: u32| {
+            // SAFETY: the host gives 16 doubles for each of `count` copies.
+            unsafe { affine(&format!("{name}[{at}]"), pointer.add(at as usize * 16)) }
+        };
+        if count > 0 && object_from_instance.is_null() {
+            return invalid!("object_from_instance is NULL, but {count} instances are announced");
+        }
+        let instances: Vec<Instance> = (0..count)
+            .map(|at| {
+                Ok(Instance {
+                    object_from_instance: matrix("object_from_instance", object_from_instance, at)?,
+                    previous_object_from_instance: if previous_object_from_instance.is_null() {
+                        None
+                    } else {
+                        Some(matrix(
+                            "previous_object_from_instance",
+                            previous_object_from_instance,
+                            at,
+                        )?)
+                    },
+                })
+            })
+            .collect::<Result<_>>()?;
+        hair.with(|hair, _| {
+            hair.instances = instances;
+            Ok(())
+        })
+    })
+}
+
+/// Says that a hair's points have not moved since the frame before, whatever `pelage_hair_update_points` did then: their motion is
+/// zero until the next update.
+#[unsafe(no_mangle)]
+pub extern "C" fn pelage_hair_rest(hair: PelageHair) -> PelageResult {
+    guard(|| {
+        hair.with(|hair, _| {
+            hair.rest();
+            Ok(())
+        })
+    })
+}
+
+/// An affine transform that can be inverted.
+unsafe fn affine(name: &str, pointer: *const f64) -> Result<DMat4> {
+    // SAFETY: the rule of the module `capi`.
+    let matrix = DMat4::from_cols_array(&unsafe { array(name, pointer) }?);
+    let determinant = matrix.determinant();
+    if !matrix.is_finite() || determinant == 0.0 || !determinant.is_finite() {
+        return invalid!("{name} {:?} cannot be inverted", matrix.to_cols_array());
+    }
+    if matrix.row(3) != glam::DVec4::W {
+        return invalid!(
+            "{name}'s last row {} is not that of an affine transform, (0, 0, 0, 1)",
+            matrix.row(3)
+        );
+    }
+    Ok(matrix)
 }
 
 /// Sets the fibres' own opacity, from 0 to 1.

@@ -78,7 +78,7 @@ unsafe fn render(
              ..
          }| {
             let offscreen = host.offscreen()?;
-            let target = target_of(target.among(targets)?, flags);
+            let target = target_of(target.among(targets)?, given.rectangle, flags);
             let hairs = given.hairs(hairs)?;
             if let Some(times) = call(offscreen, &given.frame(&hairs), &target)? {
                 *passes = times;
@@ -88,12 +88,14 @@ unsafe fn render(
     )
 }
 
-fn target_of(image: &Image, flags: u32) -> Target<'_> {
+fn target_of(image: &Image, rectangle: Option<[u32; 4]>, flags: u32) -> Target<'_> {
     Target {
         colour: &image.colour,
         depth: image.depth.as_ref(),
         clear: flags & PELAGE_RENDER_CLEAR != 0,
         write_depth: flags & PELAGE_RENDER_WRITE_DEPTH != 0,
         receive_shadow: flags & PELAGE_RENDER_RECEIVE_SHADOW != 0,
+        rectangle,
+        outputs: image.outputs(),
     }
 }

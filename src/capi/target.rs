@@ -1,19 +1,36 @@
 //! Targets: images to draw into, written from and read into the host's memory.
 
+use std::ffi::c_void;
+
 use glam::Vec4;
 use wgpu::TextureFormat;
 
 use super::descriptor::{self, descriptor};
 use super::error::{PelageResult, guard};
-use super::input::{check_bytes, fill, flag, output, outputs, reserved, slice};
+use super::input::{check_bytes, fill, flag, flags, output, outputs, slice};
 use super::registry::{Kind, PelageContext, PelageTarget};
 use crate::error::{Result, invalid};
-use crate::host::offscreen::Image;
+use crate::host::offscreen::{Image, WantedOutputs};
 
 /// Four 16-bit floats a pixel.
 pub const PELAGE_FORMAT_RGBA16F: u32 = 0;
 /// Four 32-bit floats a pixel; needs a device that can blend them.
 pub const PELAGE_FORMAT_RGBA32F: u32 = 1;
+
+/// The nearest fibre's clip depth: one float a pixel; the far plane's where there is none.
+pub const PELAGE_OUTPUT_NEAREST_DEPTH: u32 = 1;
+/// The part of the pixel that hair covers, 0 to 1: one float a pixel.
+pub const PELAGE_OUTPUT_COVERAGE: u32 = 2;
+/// How far the nearest fibre has moved on the screen since the frame before, in pixels, +x right, +y down, jitter left out:
+/// two floats a pixel, 0 where there is none.
+pub const PELAGE_OUTPUT_MOTION: u32 = 4;
+/// The nearest fibre's hair, as its place in the frame, in the lower 16 bits with its instance in the upper 16; and its strand:
+/// two 32-bit integers a pixel, both `PELAGE_NO_STRAND` where there is none.
+pub const PELAGE_OUTPUT_IDS: u32 = 8;
+/// What both integers of `PELAGE_OUTPUT_IDS` hold where there is no hair.
+pub const PELAGE_NO_STRAND: u32 = 0xffff_ffff;
+
+const _: () = assert!(PELAGE_NO_STRAND == crate::NO_STRAND);
 
 /// How a target is made.
 #[repr(C)]
@@ -29,8 +46,8 @@ pub struct PelageTargetDescriptor {
     pub format: u32,
     /// 1: with a depth, of 32-bit floats, for an opaque scene that hides hair.
     pub with_depth: u32,
-    /// 0.
-    pub reserved: u32,
+    /// Any of `PELAGE_OUTPUT_…`, or 0: what is written beside the colour.
+    pub outputs: u32,
 }
 
 impl Default for PelageTargetDescriptor {
@@ -41,12 +58,12 @@ impl Default for PelageTargetDescriptor {
             height: 0,
             format: PELAGE_FORMAT_RGBA16F,
             with_depth: 0,
-            reserved: 0,
+            outputs: 0,
         }
     }
 }
 
-descriptor!(PelageTargetDescriptor, "PELAGE_TARGET_DESCRIPTOR_INIT", reserved: u32);
+descriptor!(PelageTargetDescriptor, "PELAGE_TARGET_DESCRIPTOR_INIT", outputs: u32);
 
 /// Makes a target: its colour transparent black, its depth, if it has one, 1.
 ///
@@ -72,15 +89,16 @@ pub unsafe extern "C" fn pelage_target_create(
             unknown => return invalid!("format {unknown} is not one of PELAGE_FORMAT_…"),
         };
         let with_depth = flag("with_depth", given.with_depth)?;
-        reserved("PelageTargetDescriptor", given.reserved)?;
+        let wanted = wanted_outputs(given.outputs)?;
         let id = context.make(
             Kind::Target,
             |state| &mut state.targets,
             |state| {
-                state
-                    .host
-                    .offscreen()?
-                    .create_image(given.width, given.height, format, with_depth)
+                let offscreen = state.host.offscreen()?;
+                let mut image =
+                    offscreen.create_image(given.width, given.height, format, with_depth)?;
+                offscreen.add_outputs(&mut image, wanted)?;
+                Ok(image)
             },
         )?;
         target.write(PelageTarget { id });
@@ -193,6 +211,54 @@ pub unsafe extern "C" fn pelage_target_read_depth(
             fill(out, host.offscreen()?.read_depth(depth)?);
             Ok(())
         })
+    })
+}
+
+/// Reads one of a target's outputs (`PELAGE_OUTPUT_…`) as it is after all rendering so far into `values`, row 0 at the top, `size`
+/// bytes in all: 4 times width times height, or 8 times for motion and ids. Waits for the GPU.
+///
+/// Errors: not exactly one output; one that the target was made without; another size; `PELAGE_DEVICE_LOST`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_target_read_output(
+    target: PelageTarget,
+    which: u32,
+    values: *mut c_void,
+    size: u64,
+) -> PelageResult {
+    guard(|| {
+        target.with(|image, host| {
+            let own = &image.outputs;
+            let (name, texture, words) = match which {
+                PELAGE_OUTPUT_NEAREST_DEPTH => ("nearest depth", &own.nearest_depth, 1),
+                PELAGE_OUTPUT_COVERAGE => ("coverage", &own.coverage, 1),
+                PELAGE_OUTPUT_MOTION => ("motion", &own.motion, 2),
+                PELAGE_OUTPUT_IDS => ("ids", &own.ids, 2),
+                _ => return invalid!("which {which} is not one of PELAGE_OUTPUT_…"),
+            };
+            let Some(texture) = texture else {
+                return invalid!("the target was made without the output {name}");
+            };
+            let count = pixel_count(image) * words;
+            check_bytes::<u32>("values", size, count, "the output has")?;
+            // SAFETY: the rule of the module `capi`.
+            let out = unsafe { outputs("values", values.cast::<u32>(), count) }?;
+            fill(out, host.offscreen()?.read_words(texture)?);
+            Ok(())
+        })
+    })
+}
+
+fn wanted_outputs(given: u32) -> Result<WantedOutputs> {
+    let all = PELAGE_OUTPUT_NEAREST_DEPTH
+        | PELAGE_OUTPUT_COVERAGE
+        | PELAGE_OUTPUT_MOTION
+        | PELAGE_OUTPUT_IDS;
+    let given = flags("outputs", given, all)?;
+    Ok(WantedOutputs {
+        nearest_depth: given & PELAGE_OUTPUT_NEAREST_DEPTH != 0,
+        coverage: given & PELAGE_OUTPUT_COVERAGE != 0,
+        motion: given & PELAGE_OUTPUT_MOTION != 0,
+        ids: given & PELAGE_OUTPUT_IDS != 0,
     })
 }
 

@@ -510,8 +510,8 @@ descriptor!(PelageVulkanSubmit, "PELAGE_VULKAN_SUBMIT_INIT", signal_count: u32);
 /// In the queue's order a full barrier stands before the commands of each view and after them: what the host submits to the
 /// same queue before or after needs no semaphore. Images stay valid until the GPU is done with the submission.
 ///
-/// Do not hold what `lock` locks. A wait that the host answers only after this call returns is answered by another thread,
-/// or before eight views are on their way.
+/// Do not hold what `lock` locks. Wait for what has been submitted already, or is signalled by another thread: drivers may
+/// block within `vkQueueSubmit` as long as an earlier submission cannot begin.
 ///
 /// Errors: an image that cannot be drawn into; all of `pelage_render`'s; a context with a device of its own
 /// (`PELAGE_UNSUPPORTED`). Nothing is then submitted, and no semaphore waited on or signalled. `PELAGE_DEVICE_LOST`, or
@@ -553,6 +553,7 @@ pub unsafe extern "C" fn pelage_vulkan_render(
                     clear: view.flags & PELAGE_RENDER_CLEAR != 0,
                     write_depth: view.flags & PELAGE_RENDER_WRITE_DEPTH != 0,
                     receive_shadow: view.flags & PELAGE_RENDER_RECEIVE_SHADOW != 0,
+                    rectangle: view.frame.rectangle,
                 })
                 .collect();
             // SAFETY: images and semaphores are what the host says they are, and it keeps them until the GPU is done.

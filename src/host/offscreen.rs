@@ -3,7 +3,7 @@
 use glam::Vec4;
 
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Target};
+use crate::frame::{Frame, Outputs, Target};
 use crate::renderer::Renderer;
 use crate::statistics::Statistics;
 
@@ -31,6 +31,46 @@ pub struct Image {
     pub colour: wgpu::Texture,
     /// `Depth32Float`.
     pub depth: Option<wgpu::Texture>,
+    /// What else is written, each in the first of its formats.
+    pub outputs: ImageOutputs,
+}
+
+/// The images of [`Outputs`] that an [`Image`] has.
+#[derive(Debug, Clone, Default)]
+pub struct ImageOutputs {
+    /// `R32Float`.
+    pub nearest_depth: Option<wgpu::Texture>,
+    /// `R32Float`.
+    pub coverage: Option<wgpu::Texture>,
+    /// `Rg32Float`.
+    pub motion: Option<wgpu::Texture>,
+    /// `Rg32Uint`.
+    pub ids: Option<wgpu::Texture>,
+}
+
+/// Which outputs an image is to have.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WantedOutputs {
+    /// The nearest fibre's depth.
+    pub nearest_depth: bool,
+    /// The part of a pixel that hair covers.
+    pub coverage: bool,
+    /// Motion on the screen.
+    pub motion: bool,
+    /// Hair, instance and strand.
+    pub ids: bool,
+}
+
+impl Image {
+    /// What else is written, as a [`Target`] names it.
+    pub fn outputs(&self) -> Outputs<'_> {
+        Outputs {
+            nearest_depth: self.outputs.nearest_depth.as_ref(),
+            coverage: self.outputs.coverage.as_ref(),
+            motion: self.outputs.motion.as_ref(),
+            ids: self.outputs.ids.as_ref(),
+        }
+    }
 }
 
 /// Vulkan, with its validation layer where that is asked for.
@@ -161,6 +201,7 @@ impl Offscreen {
             colour: texture(format, "pelage.image.colour"),
             depth: with_depth
                 .then(|| texture(wgpu::TextureFormat::Depth32Float, "pelage.image.depth")),
+            outputs: ImageOutputs::default(),
         };
         if let Some(error) = pollster::block_on(scope.pop()) {
             return Err(Error::OutOfMemory(format!(
@@ -171,6 +212,67 @@ impl Offscreen {
             self.clear_depth(depth);
         }
         Ok(image)
+    }
+
+    /// Gives an image the outputs that are wanted, in place of those that it has.
+    ///
+    /// # Errors
+    /// No memory; the image is then as it was.
+    pub fn add_outputs(&self, image: &mut Image, wanted: WantedOutputs) -> Result<()> {
+        use wgpu::TextureFormat as Format;
+        let device = self.renderer.device();
+        let size = image.colour.size();
+        let texture = |wanted: bool, format, label| {
+            wanted.then(|| {
+                device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some(label),
+                    size,
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                        | wgpu::TextureUsages::TEXTURE_BINDING
+                        | wgpu::TextureUsages::COPY_SRC,
+                    view_formats: &[],
+                })
+            })
+        };
+        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let outputs = ImageOutputs {
+            nearest_depth: texture(
+                wanted.nearest_depth,
+                Format::R32Float,
+                "pelage.image.nearest_depth",
+            ),
+            coverage: texture(wanted.coverage, Format::R32Float, "pelage.image.coverage"),
+            motion: texture(wanted.motion, Format::Rg32Float, "pelage.image.motion"),
+            ids: texture(wanted.ids, Format::Rg32Uint, "pelage.image.ids"),
+        };
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            return Err(Error::OutOfMemory(format!(
+                "outputs of {}×{} pixels: {error}",
+                size.width, size.height
+            )));
+        }
+        image.outputs = outputs;
+        Ok(())
+    }
+
+    /// Reads an image of one or two 32-bit words a texel back as its bits, row 0 at the top. Waits for the GPU.
+    ///
+    /// # Errors
+    /// An image of another kind; a lost device.
+    pub fn read_words(&mut self, texture: &wgpu::Texture) -> Result<Vec<u32>> {
+        use wgpu::TextureFormat as Format;
+        if !matches!(
+            texture.format(),
+            Format::R32Float | Format::Rg32Float | Format::Rg32Uint
+        ) {
+            return invalid!("an image of format {:?} has no words", texture.format());
+        }
+        let readback = self.begin_read(texture)?;
+        self.finish_words(&readback)
     }
 
     /// Sets a depth to far.

@@ -156,6 +156,11 @@ impl Offscreen {
         Ok(bytemuck::pod_collect_to_vec(&self.finish(readback)?))
     }
 
+    /// The 32-bit words of an image on its way, row 0 at the top.
+    pub(super) fn finish_words(&mut self, readback: &Readback) -> Result<Vec<u32>> {
+        Ok(bytemuck::pod_collect_to_vec(&self.finish(readback)?))
+    }
+
     /// The texels, rows packed.
     fn finish(&mut self, readback: &Readback) -> Result<Vec<u8>> {
         if !self.poll_read(readback)? {

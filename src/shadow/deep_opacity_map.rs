@@ -11,6 +11,16 @@ use crate::shader::Module;
 /// The files of the look-up.
 pub(crate) const LOOK_UP: &[&str] = &["shadow/deep_opacity_map_common", "shadow/deep_opacity_map"];
 
+/// Half-width in texels from which on fibres are so wide that a block of 2×2 texels may share one front, at a third of
+/// the time. Measured at 1.2 texels: RMSE 0.1667 for 0.1664 at opacity 1, 0.0870 for 0.0870 at 0.3 (K = 8). Fibres of
+/// 0.04 texels would lose a quarter: 0.115 for 0.088.
+const WIDE_HALF_WIDTH: f64 = 1.0;
+
+/// The shift from texels to fronts for fibres of at most this half-width in texels.
+pub(crate) fn front_shift(half_width: f64) -> u32 {
+    u32::from(half_width >= WIDE_HALF_WIDTH)
+}
+
 const FRONT: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.front",
     stage: 0,
@@ -20,6 +30,7 @@ const FRONT: Emission = Emission {
     ],
     group: Group::MapsWritten,
     touch_only: true,
+    downscale: 1,
 };
 const LAYERS: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.layers",
@@ -28,8 +39,14 @@ const LAYERS: Emission = Emission {
     ..FRONT
 };
 
+const FRONT_OF_BLOCKS: Emission = Emission {
+    label: "pelage.shadow.deep_opacity_map.front_of_blocks",
+    downscale: 2,
+    ..FRONT
+};
+
 /// All stages.
-pub(crate) const EMISSIONS: [Emission; 2] = [FRONT, LAYERS];
+pub(crate) const EMISSIONS: [Emission; 3] = [FRONT, FRONT_OF_BLOCKS, LAYERS];
 
 /// Settings of the deep opacity map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,7 +121,8 @@ pub(crate) fn record(
         drawings: &map.drawings,
         on_overflow: false,
     };
-    raster::record(gpu, passes, bound, &FRONT, &raster, plan)?;
+    let front = [&FRONT, &FRONT_OF_BLOCKS][map.front_shift as usize];
+    raster::record(gpu, passes, bound, front, &raster, plan)?;
     raster::record(gpu, passes, bound, &LAYERS, &raster, plan)?;
     let label = "pelage.shadow.deep_opacity_map.prefix";
     let groups = [Group::Frame, Group::MapsWritten];
@@ -112,7 +130,12 @@ pub(crate) fn record(
         PipelineKey::new(label),
         "deep_opacity_map_prefix",
         &groups,
-        || Module::new(&["shadow/deep_opacity_map_prefix"]),
+        || {
+            Module::new(&[
+                "shadow/deep_opacity_map_common",
+                "shadow/deep_opacity_map_prefix",
+            ])
+        },
     )?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);

@@ -172,7 +172,12 @@ fn initialisers() -> String {
         "PELAGE_VIEW_INIT",
         flags,
         view_from_world,
-        clip_from_view
+        clip_from_view,
+        previous_view_from_world,
+        previous_clip_from_view,
+        jitter,
+        previous_jitter,
+        rectangle
     );
     initialiser!(
         PelageLight,
@@ -202,7 +207,7 @@ fn initialisers() -> String {
         height,
         format,
         with_depth,
-        reserved
+        outputs
     );
     initialiser!(
         PelageStatistics,

@@ -4,6 +4,7 @@ mod frames;
 mod grooms;
 mod handles;
 mod header;
+mod outputs;
 mod pointers;
 mod programs;
 mod rendering;

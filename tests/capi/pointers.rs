@@ -254,10 +254,10 @@ fn unknown_enumerators_and_flags_are_named() {
         );
         let result = pelage_render(context.0, &frame(&[hair], &lights, &view), target, 0);
         wrong(result, "light 0…kind 2…PELAGE_LIGHT_");
-        view.flags = 2;
+        view.flags = 8;
         wrong(
             pelage_render(context.0, &frame(&[hair], &[], &view), target, 0),
-            "flags…0x2",
+            "flags…0x8",
         );
         let descriptor = PelageContextDescriptor {
             validation: 2,

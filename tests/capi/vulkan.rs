@@ -73,6 +73,11 @@ fn every_format_and_layout_is_drawn_into_and_several_views_at_once() {
 }
 
 #[test]
+fn eight_frames_are_handed_over_without_a_wait_and_the_ninth_waits() {
+    goes_right(&["backlog"]);
+}
+
+#[test]
 fn what_is_wrong_is_refused_with_a_sentence_and_submits_nothing() {
     goes_right(&["refusals"]);
 }

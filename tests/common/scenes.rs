@@ -70,6 +70,9 @@ pub fn pixel_view(size: [u32; 2], depth: f64) -> View {
         view_from_world: DMat4::from_translation(DVec3::new(0.0, 0.0, -depth)),
         clip_from_view: DMat4::from_scale_rotation_translation(scale, DQuat::IDENTITY, DVec3::ZERO),
         reverse_z: false,
+        flip_y: false,
+        jitter: [0.0; 2],
+        previous: None,
     }
 }
 

@@ -51,6 +51,8 @@ pub struct View<'a> {
     pub write_depth: bool,
     /// As of [`Target::receive_shadow`].
     pub receive_shadow: bool,
+    /// As of [`Target::rectangle`].
+    pub rectangle: Option<[u32; 4]>,
 }
 
 /// A context on the host's device.
@@ -159,13 +161,14 @@ impl Vulkan {
         }
         let device = self.renderer.as_ref().ok_or_else(gone)?.device().clone();
         let errors = Errors::watch(&device);
-        // SAFETY: the host's promise is passed on.
+        let record = |(number, view): (usize, &View)| {
+            // SAFETY: the host's promise is passed on.
+            unsafe { self.record(view) }.map_err(|error| about(number, error))
+        };
         let recorded = views
             .iter()
             .enumerate()
-            .map(|(number, view)| {
-                unsafe { self.record(view) }.map_err(|error| about(number, error))
-            })
+            .map(record)
             .collect::<Result<Vec<_>>>();
         let found = errors.take();
         let recorded = self.settle(recorded, found)?;
@@ -180,15 +183,15 @@ impl Vulkan {
     unsafe fn record(&mut self, view: &View) -> Result<[wgpu::CommandBuffer; 3]> {
         let renderer = self.renderer.as_mut().ok_or_else(gone)?;
         let device = renderer.device().clone();
-        // SAFETY: the host's images are what they are said to be.
-        let colour = unsafe { Wrapped::new(&device, view.colour, Aspect::Colour, &self.formats) }?;
-        // SAFETY: as above.
-        let depth = match view.depth {
-            Some(image) => {
-                Some(unsafe { Wrapped::new(&device, image, Aspect::Depth, &self.formats) }?)
-            }
-            None => None,
+        let wrap = |image, aspect| {
+            // SAFETY: the host's images are what they are said to be.
+            unsafe { Wrapped::new(&device, image, aspect, &self.formats) }
         };
+        let colour = wrap(view.colour, Aspect::Colour)?;
+        let depth = view
+            .depth
+            .map(|image| wrap(image, Aspect::Depth))
+            .transpose()?;
         let images = || [Some(&colour), depth.as_ref()].into_iter().flatten();
 
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
@@ -200,6 +203,8 @@ impl Vulkan {
             clear: view.clear,
             write_depth: view.write_depth,
             receive_shadow: view.receive_shadow,
+            rectangle: view.rectangle,
+            outputs: Default::default(),
         };
         renderer.record(&mut encoder, view.frame, &target)?;
         encoder.transition_resources(

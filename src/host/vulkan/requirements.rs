@@ -145,7 +145,7 @@ const MOST_WORDS: usize = {
     words
 };
 
-const _: () = assert!(1 + MOST_WORDS <= FEATURE_STORAGE);
+const _: () = assert!(MOST_WORDS < FEATURE_STORAGE);
 
 /// Words of eight bytes that a struct of so many booleans takes.
 const fn node_words(count: usize) -> usize {
