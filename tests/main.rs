@@ -12,3 +12,4 @@ mod shaders;
 mod shading;
 mod shadow;
 mod transparency;
+mod wgpu_host;

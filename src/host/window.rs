@@ -467,7 +467,8 @@ impl Window {
     fn watched<T>(&self, call: impl FnOnce() -> T) -> Result<T> {
         use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
         let device = self.offscreen.renderer.device();
-        let scopes = [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));
+        let scopes =
+            [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));
         let value = call();
         let mut found = None;
         for scope in scopes.into_iter().rev() {
@@ -619,8 +620,9 @@ unsafe fn make_surface(
         raw_window_handle: handles.window,
     };
     // SAFETY: the handles are valid until the context is dropped, and the surface with it.
-    unsafe { instance.create_surface_unsafe(target) }
-        .map_err(|error| Error::Unsupported(format!("this window takes no Vulkan surface: {error}")))
+    unsafe { instance.create_surface_unsafe(target) }.map_err(|error| {
+        Error::Unsupported(format!("this window takes no Vulkan surface: {error}"))
+    })
 }
 
 fn modes(offered: &wgpu::SurfaceCapabilities) -> impl Iterator<Item = PresentMode> {
@@ -672,4 +674,52 @@ fn gone() -> Error {
     Error::Unsupported(
         "the window's surface is lost and cannot be made anew: the window may be no more".into(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn offering(formats: &[wgpu::TextureFormat]) -> wgpu::SurfaceCapabilities {
+        let capability = |format: &wgpu::TextureFormat| wgpu::SurfaceFormatCapabilities {
+            format: *format,
+            color_spaces: wgpu::SurfaceColorSpaces::SRGB,
+        };
+        wgpu::SurfaceCapabilities {
+            formats: formats.to_vec(),
+            format_capabilities: formats.iter().map(capability).collect(),
+            present_modes: vec![wgpu::PresentMode::Fifo, wgpu::PresentMode::FifoRelaxed],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn a_present_mode_that_the_surface_lacks_is_named_with_those_that_it_has() {
+        let offered = offering(&[wgpu::TextureFormat::Bgra8Unorm]);
+        assert_eq!(check_mode(PresentMode::Fifo, &offered), Ok(()));
+        assert_eq!(
+            check_mode(PresentMode::Mailbox, &offered)
+                .unwrap_err()
+                .to_string(),
+            "the window's surface has no present mode mailbox; it has fifo"
+        );
+    }
+
+    #[test]
+    fn the_first_encoding_that_the_surface_has_is_taken() {
+        use wgpu::TextureFormat as Format;
+        let both = offering(&[
+            Format::Rgba8Unorm,
+            Format::Bgra8Unorm,
+            Format::Rgba8UnormSrgb,
+        ]);
+        assert_eq!(choose(None, &both), Ok(Encoding::Srgb8));
+        assert_eq!(choose(Some(Encoding::Unorm8), &both), Ok(Encoding::Unorm8));
+        assert_eq!(Encoding::Unorm8.find(&both), Some(Format::Bgra8Unorm));
+        let plain = offering(&[Format::Rgb10a2Unorm]);
+        assert_eq!(choose(None, &plain), Ok(Encoding::Unorm10));
+        // Floats that are not linear are not what the library writes.
+        let floats = offering(&[Format::Rgba16Float]);
+        assert!(choose(None, &floats).is_err());
+    }
 }

@@ -412,6 +412,20 @@ static void never(uint32_t expected) {
     close_window(&host);
 }
 
+/* With the shim: the device itself is lost. */
+static void device(void) {
+    Host host = open_window(PELAGE_WINDOW_XLIB);
+    PelageContext context = window_context(&host);
+    PelageTarget target = draw(context, WIDTH, HEIGHT, window_pixels);
+    uint32_t outcome = 77;
+    for (int attempt = 0; attempt < 2; attempt++) {
+        fails(pelage_window_present(context, target, CLEAR, &outcome), PELAGE_DEVICE_LOST, "the device is lost");
+    }
+    expect(outcome == 77, "an error leaves the outcome as it was");
+    ok(pelage_context_destroy(context), "destroy");
+    close_window(&host);
+}
+
 int main(int argc, char **argv) {
     const char *mode = argc > 1 ? argv[1] : "";
     XInitThreads();
@@ -437,6 +451,8 @@ int main(int argc, char **argv) {
         never(PELAGE_SKIPPED_CHANGING);
     } else if (!strcmp(mode, "timeout")) {
         never(PELAGE_SKIPPED_TIMEOUT);
+    } else if (!strcmp(mode, "device")) {
+        device();
     } else {
         printf("wrong: no mode %s\n", mode);
         return 1;
