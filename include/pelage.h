@@ -240,6 +240,60 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // The most semaphores to wait on, and the most to signal.
 #define PELAGE_VULKAN_MAX_SEMAPHORES 64
 
+// `display` is a `Display *`, `window` a `Window`.
+#define PELAGE_WINDOW_XLIB 1
+
+// `display` is an `xcb_connection_t *`, `window` an `xcb_window_t`.
+#define PELAGE_WINDOW_XCB 2
+
+// `display` is a `struct wl_display *`, `window` a `struct wl_surface *`.
+#define PELAGE_WINDOW_WAYLAND 3
+
+// `display` is the `HINSTANCE` that the window was made with, `window` an `HWND`.
+#define PELAGE_WINDOW_WIN32 4
+
+// `display` is NULL, `window` an `NSView *`. Needs a Vulkan driver, such as MoltenVK.
+#define PELAGE_WINDOW_APPKIT 5
+
+// Each frame in its turn, at the screen's rate. Every window has it.
+#define PELAGE_PRESENT_FIFO 0
+
+// The newest frame at the screen's next refresh; older ones are dropped.
+#define PELAGE_PRESENT_MAILBOX 1
+
+// At once, even while the screen is being refreshed.
+#define PELAGE_PRESENT_IMMEDIATE 2
+
+// The first of the following that the window has.
+#define PELAGE_SURFACE_AUTO 0
+
+// 8 bits a channel of the sRGB curve, which the GPU applies.
+#define PELAGE_SURFACE_SRGB8 1
+
+// The same 8 bits in a format that does not know of the curve: the library applies it.
+#define PELAGE_SURFACE_UNORM8 2
+
+// 10 bits a channel of the sRGB curve, which the library applies.
+#define PELAGE_SURFACE_UNORM10 3
+
+// 16-bit floats, linear, beyond 1 too: extended linear sRGB, which the screen makes the best of.
+#define PELAGE_SURFACE_FLOAT16 4
+
+// The frame is on its way to the screen.
+#define PELAGE_PRESENTED 0
+
+// Skipped: the window has no pixels, as one that is minimised.
+#define PELAGE_SKIPPED_MINIMISED 1
+
+// Skipped: nothing of the window can be seen.
+#define PELAGE_SKIPPED_OCCLUDED 2
+
+// Skipped: the screen had no room for another frame within a second.
+#define PELAGE_SKIPPED_TIMEOUT 3
+
+// Skipped: the window kept changing while its surface was made anew.
+#define PELAGE_SKIPPED_CHANGING 4
+
 // What a call returns: `PELAGE_OK`, or what went wrong. After an error nothing has changed, and `pelage_last_error`
 // says in one sentence what was wrong with which value.
 typedef uint32_t PelageResult;
@@ -749,6 +803,54 @@ typedef struct PelageVulkanSubmit {
     uint32_t signal_count;
 } PelageVulkanSubmit;
 
+// A window of the host's, by its raw handles.
+typedef struct PelageWindow {
+    // `sizeof(PelageWindow)`.
+    uint32_t struct_size;
+    // `PELAGE_WINDOW_...`: whose handles they are.
+    uint32_t kind;
+    // As the kind says.
+    void *display;
+    // As the kind says: a number, or a pointer cast to `uintptr_t`.
+    uint64_t window;
+    // The number of the X11 screen; otherwise 0.
+    uint32_t screen;
+    // Width in pixels. Taken where the window system leaves it to the program (Wayland); may be 0 elsewhere.
+    uint32_t width;
+    // Height in pixels, likewise.
+    uint32_t height;
+    // `PELAGE_SURFACE_...`.
+    uint32_t format;
+    // `PELAGE_PRESENT_...`.
+    uint32_t present_mode;
+    // 1: take a software driver even where a GPU is present.
+    uint32_t force_software;
+    // 1: load Vulkan's validation layer where it is installed; it writes what it finds to the standard output.
+    uint32_t validation;
+    // 0.
+    uint32_t reserved;
+    // Bytes of GPU memory that the context may take beside its targets and the window; 0 for no limit.
+    uint64_t byte_budget;
+} PelageWindow;
+
+// What a window's surface is, and what it could be.
+typedef struct PelageWindowInfo {
+    // `sizeof(PelageWindowInfo)`.
+    uint32_t struct_size;
+    // Width in pixels: that of the target to render; 0 for a window that is minimised.
+    uint32_t width;
+    // Height in pixels, likewise.
+    uint32_t height;
+    // `PELAGE_SURFACE_...`, never `PELAGE_SURFACE_AUTO`.
+    uint32_t format;
+    // `PELAGE_PRESENT_...`.
+    uint32_t present_mode;
+    // The formats that the surface has: bit `1 << PELAGE_SURFACE_...` of each.
+    uint32_t formats;
+    // The present modes that it has: bit `1 << PELAGE_PRESENT_...` of each.
+    uint32_t present_modes;
+} PelageWindowInfo;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1056,6 +1158,52 @@ PelageResult pelage_vulkan_context_create(const struct PelageVulkanDevice *devic
 PelageResult pelage_vulkan_render(struct PelageContext context,
                                   const struct PelageVulkanSubmit *submit);
 
+// Opens a device that can show its pictures in a window of the host's, and makes a context on it, which `*context`
+// receives. All functions that serve a context of `pelage_context_create` serve it too: render into a target, then
+// `pelage_window_present` it. One context a window.
+//
+// The window stays the host's, with its events; it is destroyed after the context. Its handles may be used on every thread
+// that uses the context: with Xlib call `XInitThreads` first, on macOS use the main thread alone.
+//
+// Errors: handles that are NULL or of no kind; `PELAGE_UNSUPPORTED` where no Vulkan driver can show the window, or its
+// surface lacks the format or the present mode.
+PelageResult pelage_window_context_create(const struct PelageWindow *window,
+                                          struct PelageContext *context);
+
+// Says that a context's window has another size, in pixels; 0 and 0 where it is minimised. Targets are the host's to make
+// anew, in the size that `pelage_window_info` says.
+//
+// Errors: `PELAGE_UNSUPPORTED` for a context without a window.
+PelageResult pelage_window_resize(struct PelageContext context,
+                                  uint32_t width,
+                                  uint32_t height);
+
+// Changes how frames come to the screen: `PELAGE_PRESENT_...`.
+//
+// Errors: `PELAGE_UNSUPPORTED` for a mode that the window does not have, which leaves the old one; for a context without
+// a window.
+PelageResult pelage_window_set_present_mode(struct PelageContext context,
+                                            uint32_t present_mode);
+
+// Says what a context's window is now, in `*info`, begun with `PELAGE_WINDOW_INFO_INIT`.
+//
+// Errors: `PELAGE_UNSUPPORTED` for a window that is no more, and for a context without one.
+PelageResult pelage_window_info(struct PelageContext context, struct PelageWindowInfo *info);
+
+// Shows a target in the context's window, over `clear`, three floats, linear RGB; NULL for black. The target's upper left
+// is the window's; what it does not reach shows `clear`, what does not fit is cut off. Sets `*outcome` to
+// `PELAGE_PRESENTED`, or to the `PELAGE_SKIPPED_...` that says why the window still shows what it did; `outcome` may be NULL.
+//
+// A surface that is lost or outdated is made anew. With `PELAGE_PRESENT_FIFO` the call may wait for the screen, and other
+// calls on the context with it.
+//
+// Errors: a colour that is not finite; a target of another context; `PELAGE_UNSUPPORTED` for a window that is no more, and
+// for a context without one; `PELAGE_DEVICE_LOST`.
+PelageResult pelage_window_present(struct PelageContext context,
+                                   struct PelageTarget target,
+                                   const float *clear,
+                                   uint32_t *outcome);
+
 /* What structs begin with. */
 #define PELAGE_CONTEXT_DESCRIPTOR_INIT { sizeof(PelageContextDescriptor), 0, 0, 0, 0 }
 #define PELAGE_ADAPTER_INIT { sizeof(PelageAdapter), 0, { 0 }, { 0 } }
@@ -1083,6 +1231,8 @@ PelageResult pelage_vulkan_render(struct PelageContext context,
 #define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL }
 #define PELAGE_VULKAN_SEMAPHORE_INIT { sizeof(PelageVulkanSemaphore), 0, 0, 0 }
 #define PELAGE_VULKAN_SUBMIT_INIT { sizeof(PelageVulkanSubmit), 0, NULL, NULL, NULL, 0, 0 }
+#define PELAGE_WINDOW_INIT { sizeof(PelageWindow), 0, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+#define PELAGE_WINDOW_INFO_INIT { sizeof(PelageWindowInfo), 0, 0, 0, 0, 0, 0 }
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -13,3 +13,4 @@ mod shaders;
 mod shading;
 mod shadow;
 mod transparency;
+mod wgpu_host;

@@ -40,6 +40,8 @@ mod statistics;
 
 mod vulkan;
 
+mod window;
+
 pub use context::*;
 pub use error::*;
 pub use frame::*;
@@ -54,3 +56,4 @@ pub use strands::*;
 pub use target::*;
 pub use version::*;
 pub use vulkan::*;
+pub use window::*;

@@ -16,6 +16,7 @@ use crate::geometry::Hair;
 use crate::host::Readback;
 use crate::host::offscreen::{Image, Offscreen};
 use crate::host::vulkan::Vulkan;
+use crate::host::window::Window;
 use crate::renderer::Renderer;
 use crate::statistics::PassTime;
 
@@ -84,6 +85,7 @@ impl Kind {
 pub(super) enum Host {
     Offscreen(Box<Offscreen>),
     Vulkan(Box<Vulkan>),
+    Window(Box<Window>),
 }
 
 impl Host {
@@ -92,6 +94,7 @@ impl Host {
         match self {
             Self::Offscreen(offscreen) => call(&mut offscreen.renderer),
             Self::Vulkan(vulkan) => vulkan.with_renderer(call),
+            Self::Window(window) => call(&mut window.offscreen.renderer),
         }
     }
 
@@ -99,6 +102,7 @@ impl Host {
         match self {
             Self::Offscreen(offscreen) => offscreen.adapter_info(),
             Self::Vulkan(vulkan) => vulkan.adapter_info(),
+            Self::Window(window) => window.offscreen.adapter_info(),
         }
     }
 
@@ -106,6 +110,7 @@ impl Host {
     pub fn offscreen(&mut self) -> Result<&mut Offscreen> {
         match self {
             Self::Offscreen(offscreen) => Ok(offscreen),
+            Self::Window(window) => Ok(&mut window.offscreen),
             Self::Vulkan(_) => Err(Error::Unsupported(
                 "this context is on the host's Vulkan device, and draws into the host's images by pelage_vulkan_render"
                     .into(),
@@ -117,8 +122,19 @@ impl Host {
     pub fn vulkan(&mut self) -> Result<&mut Vulkan> {
         match self {
             Self::Vulkan(vulkan) => Ok(vulkan),
-            Self::Offscreen(_) => Err(Error::Unsupported(
+            Self::Offscreen(_) | Self::Window(_) => Err(Error::Unsupported(
                 "this context has a device of its own, and draws into its targets by pelage_render"
+                    .into(),
+            )),
+        }
+    }
+
+    /// The host's window.
+    pub fn window(&mut self) -> Result<&mut Window> {
+        match self {
+            Self::Window(window) => Ok(window),
+            Self::Offscreen(_) | Self::Vulkan(_) => Err(Error::Unsupported(
+                "this context has no window; pelage_window_context_create makes one that has"
                     .into(),
             )),
         }

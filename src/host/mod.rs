@@ -3,6 +3,7 @@
 pub mod offscreen;
 mod readback;
 pub mod vulkan;
+pub mod window;
 mod write_depth;
 
 pub use readback::Readback;

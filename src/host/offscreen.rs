@@ -73,6 +73,38 @@ impl Image {
     }
 }
 
+/// Vulkan, with its validation layer where that is asked for.
+pub(super) fn instance(options: &OffscreenOptions) -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    descriptor.flags = if options.validation {
+        wgpu::InstanceFlags::VALIDATION
+    } else {
+        wgpu::InstanceFlags::empty()
+    };
+    wgpu::Instance::new(descriptor)
+}
+
+/// A GPU if there is one, else a software adapter; one that can show the surface, if there is one.
+pub(super) async fn adapter(
+    instance: &wgpu::Instance,
+    options: &OffscreenOptions,
+    surface: Option<&wgpu::Surface<'static>>,
+) -> std::result::Result<wgpu::Adapter, wgpu::RequestAdapterError> {
+    let mut request = wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        force_fallback_adapter: options.force_software,
+        compatible_surface: surface,
+        ..Default::default()
+    };
+    let mut adapter = instance.request_adapter(&request).await;
+    if adapter.is_err() {
+        request.force_fallback_adapter = true;
+        adapter = instance.request_adapter(&request).await;
+    }
+    adapter
+}
+
 impl Offscreen {
     /// Opens a device: a GPU if there is one, else a software adapter.
     ///
@@ -83,29 +115,18 @@ impl Offscreen {
     }
 
     async fn open(options: &OffscreenOptions) -> Result<Self> {
-        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-        descriptor.backends = wgpu::Backends::VULKAN;
-        descriptor.flags = if options.validation {
-            wgpu::InstanceFlags::VALIDATION
-        } else {
-            wgpu::InstanceFlags::empty()
-        };
-        let instance = wgpu::Instance::new(descriptor);
-        let mut request = wgpu::RequestAdapterOptions {
-            power_preference: wgpu::PowerPreference::HighPerformance,
-            force_fallback_adapter: options.force_software,
-            ..Default::default()
-        };
-        let mut adapter = instance.request_adapter(&request).await;
-        if adapter.is_err() {
-            request.force_fallback_adapter = true;
-            adapter = instance.request_adapter(&request).await;
-        }
-        let adapter = adapter.map_err(|error| {
-            Error::Unsupported(format!(
-                "no Vulkan driver was found ({error}); on Debian, install mesa-vulkan-drivers for a software one"
-            ))
-        })?;
+        let adapter = adapter(&instance(options), options, None)
+            .await
+            .map_err(|error| {
+                Error::Unsupported(format!(
+                    "no Vulkan driver was found ({error}); on Debian, install mesa-vulkan-drivers for a software one"
+                ))
+            })?;
+        Self::on_adapter(&adapter).await
+    }
+
+    /// A device of an adapter.
+    pub(super) async fn on_adapter(adapter: &wgpu::Adapter) -> Result<Self> {
         let wanted = wgpu::Features::FLOAT32_BLENDABLE;
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {

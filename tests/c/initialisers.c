@@ -44,5 +44,7 @@ int main(void) {
     PRINT(PelageVulkanView, PELAGE_VULKAN_VIEW_INIT);
     PRINT(PelageVulkanSemaphore, PELAGE_VULKAN_SEMAPHORE_INIT);
     PRINT(PelageVulkanSubmit, PELAGE_VULKAN_SUBMIT_INIT);
+    PRINT(PelageWindow, PELAGE_WINDOW_INIT);
+    PRINT(PelageWindowInfo, PELAGE_WINDOW_INFO_INIT);
     return 0;
 }

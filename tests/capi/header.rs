@@ -294,6 +294,32 @@ fn initialisers() -> String {
         wait_count,
         signal_count
     );
+    initialiser!(
+        PelageWindow,
+        "PELAGE_WINDOW_INIT",
+        kind,
+        display,
+        window,
+        screen,
+        width,
+        height,
+        format,
+        present_mode,
+        force_software,
+        validation,
+        reserved,
+        byte_budget
+    );
+    initialiser!(
+        PelageWindowInfo,
+        "PELAGE_WINDOW_INFO_INIT",
+        width,
+        height,
+        format,
+        present_mode,
+        formats,
+        present_modes
+    );
     text
 }
 

@@ -1,18 +1,19 @@
 //! C and C++ programs: the header alone with every warning an error, its initialisers, and programs that link the library.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use pelage::capi::*;
 
-const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
+pub(super) const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
 
 pub(super) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
 /// The C library that belongs to this test program: cargo puts both into one folder.
-fn library() -> PathBuf {
+pub(super) fn library() -> PathBuf {
     let folder = std::env::current_exe()
         .unwrap()
         .parent()
@@ -66,11 +67,9 @@ fn compile_and_run(name: &str, source: &str, arguments: &[&str]) -> String {
         .current_dir(folder(name)))
 }
 
-/// Compiles a C program against the header and the library.
-pub(super) fn compile(name: &str, source: &str, libraries: &[&str]) -> PathBuf {
+/// A folder of this test's own, with the library under its soname and under the name that a linker looks for.
+pub(super) fn linkable(name: &str) -> PathBuf {
     let folder = folder(name);
-    let program = folder.join("program");
-    // The library's soname and the name that a linker looks for.
     for alias in [
         "libpelage.so",
         "libpelage.so.0",
@@ -80,6 +79,44 @@ pub(super) fn compile(name: &str, source: &str, libraries: &[&str]) -> PathBuf {
         std::fs::remove_file(folder.join(alias)).ok();
         std::os::unix::fs::symlink(library(), folder.join(alias)).unwrap();
     }
+    folder
+}
+
+/// Says, past cargo's capture, that a test did not run, or not all of it, for want of a program or a package:
+/// scripts/test.sh counts what was said.
+pub(super) fn skipped(what: &str) {
+    let thread = std::thread::current();
+    let test = thread.name().unwrap_or("a test");
+    writeln!(std::io::stderr(), "skipped: {test}: no {what}").ok();
+}
+
+/// Whether the C compiler finds a header.
+pub(super) fn has_header(header: &str) -> bool {
+    let source = folder("has_header").join(format!("{}.c", header.replace('/', "_")));
+    std::fs::write(
+        &source,
+        format!("#include <stdio.h>\n#include <{header}>\n"),
+    )
+    .unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-fsyntax-only", "-x", "c"]).arg(source);
+    compiler
+        .output()
+        .is_ok_and(|output| output.status.success())
+}
+
+/// Whether there is a program of that name.
+pub(super) fn has_program(name: &str) -> bool {
+    Command::new(name)
+        .arg("--version")
+        .output()
+        .is_ok_and(|output| output.status.success())
+}
+
+/// Compiles a C program against the header and the library.
+pub(super) fn compile(name: &str, source: &str, libraries: &[&str]) -> PathBuf {
+    let folder = linkable(name);
+    let program = folder.join("program");
     let mut compiler = Command::new("cc");
     compiler
         .arg("-std=c99")
@@ -128,6 +165,8 @@ fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
             "VulkanView",
             "VulkanSemaphore",
             "VulkanSubmit",
+            "Window",
+            "WindowInfo",
         ];
         let macros = [
             "STRANDS",
@@ -145,6 +184,8 @@ fn the_header_compiles_alone_as_c99_c11_and_cpp17_without_a_warning() {
             "VULKAN_VIEW",
             "VULKAN_SEMAPHORE",
             "VULKAN_SUBMIT",
+            "WINDOW",
+            "WINDOW_INFO",
         ];
         let uses: String = types
             .iter()
@@ -213,6 +254,8 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageVulkanView,
         PelageVulkanSemaphore,
         PelageVulkanSubmit,
+        PelageWindow,
+        PelageWindowInfo,
     );
     for (printed, expected) in printed.lines().zip(expected.lines()) {
         assert_eq!(printed, expected);

@@ -22,7 +22,7 @@ fn program() -> &'static PathBuf {
 }
 
 /// Runs a program under the validation layer, with synchronisation validation; what it and the layer say.
-fn validated(command: &mut Command) -> String {
+pub(super) fn validated(command: &mut Command) -> String {
     run(command
         .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
         .env(
@@ -41,7 +41,7 @@ fn goes_right(mode: &[&str]) -> String {
 }
 
 #[track_caller]
-fn silent(printed: &str) {
+pub(super) fn silent(printed: &str) {
     for word in ["Validation", "VUID-", "SYNC-HAZARD", "UNASSIGNED-"] {
         assert!(!printed.contains(word), "{printed}");
     }
