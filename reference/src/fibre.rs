@@ -1,8 +1,8 @@
 //! What all models of a single fibre share: directions in the fibre's frame, lobes, ranges of parameters.
 //!
-//! The frame is (x, y, z) = (tangent from root to tip, major axis of the cross-section, minor axis). A direction leaves
+//! The frame is (x, y, z) = (tangent from root to tip, first axis of the cross-section, second axis). A direction leaves
 //! the fibre; θ in [-π/2, π/2] is its inclination from the normal plane, positive towards the tip; φ its azimuth from
-//! the major axis. ω_i goes to the light, ω_o to the eye, and with φ = φ_o - φ_i
+//! the first axis. ω_i goes to the light, ω_o to the eye, and with φ = φ_o - φ_i
 //!
 //! `θ_h = (θ_i + θ_o) / 2`, `θ_d = (θ_o - θ_i) / 2`, `L_o = ∫ scatter(ω_i, ω_o) L_i dω_i`
 //!
@@ -93,7 +93,7 @@ pub(crate) fn unit_gaussian(beta: f64, x: f64) -> f64 {
 pub struct Direction {
     /// Inclination from the normal plane, in [-π/2, π/2], positive towards the tip.
     pub theta: f64,
-    /// Azimuth from the major axis, radians; any multiple of 2π may be added.
+    /// Azimuth from the section's first axis, radians; any multiple of 2π may be added.
     pub phi: f64,
 }
 
@@ -116,11 +116,12 @@ impl Direction {
         }
     }
 
-    /// From a vector in the world, with the fibre's unit tangent and any vector that has a part along the major axis.
-    pub fn in_frame(v: DVec3, tangent: DVec3, major: DVec3) -> Self {
-        let minor = tangent.cross(major).normalize_or_zero();
-        let major = minor.cross(tangent);
-        Self::from_vector(DVec3::new(v.dot(tangent), v.dot(major), v.dot(minor)))
+    /// From a vector in the world, with the fibre's unit tangent and any vector that has a part along the section's first
+    /// axis.
+    pub fn in_frame(v: DVec3, tangent: DVec3, first_axis: DVec3) -> Self {
+        let second = tangent.cross(first_axis).normalize_or_zero();
+        let first = second.cross(tangent);
+        Self::from_vector(DVec3::new(v.dot(tangent), v.dot(first), v.dot(second)))
     }
 
     /// The unit vector.

@@ -10,6 +10,8 @@
 //! - Absorption is along the inclined path, and Fresnel's reflectance is that in space (see [`crate::fresnel`]).
 //! - The caustic's h_c fits the kind of roots; its Gaussians take (w_c, φ ∓ φ_c), wrapped (Hunz algorithm 1).
 //! - η₂* = 2 (η - 1) a⁻² - η + 2, so that a = 1 gives η (Hunz eq. 59).
+//! - In η*, a is the axis along φ = 0 over the other one. The sources have the major axis there and a below 1; but light
+//!   along the major axis is focused on the back, which is what a *higher* index does: traced rays agree.
 //! - 1 / cos² θ_d stops growing at [`crate::fibre::MIN_COS_THETA_D`].
 
 use crate::fibre::{
@@ -69,7 +71,7 @@ pub struct Params {
     pub alpha: [f64; 3],
     /// Longitudinal widths β_R, β_TT, β_TRT in terms of θ_h, radians, 1e-5 to 10.
     pub beta: [f64; 3],
-    /// Ratio a of the cross-section's axes, 0.75 to 1.33; TRT takes η*(φ_h) for it.
+    /// a, the cross-section's axis along φ = 0 over that along φ = π/2, 0.75 to 1.33; TRT takes η*(φ_h) for it.
     pub eccentricity: f64,
     /// How roots are found.
     pub roots: Roots,
@@ -220,8 +222,8 @@ impl ExitAngle {
     }
 }
 
-/// η*(φ_h) for a cross-section of axis ratio a (Hunz eq. 58 and 59, corrected). At least 1 + (η - 1)/8 for a from 0.75
-/// to 1.33.
+/// η*(φ_h) for a cross-section whose axis along φ = 0 is `eccentricity` times the other (Hunz eq. 58 and 59, corrected).
+/// At least 1 + (η - 1)/8 for ratios from 0.75 to 1.33.
 pub fn elliptic_eta(eta: f64, eccentricity: f64, phi_h: f64) -> f64 {
     let a2 = eccentricity * eccentricity;
     let eta_1 = 2.0 * (eta - 1.0) * a2 - eta + 2.0;

@@ -29,7 +29,7 @@ fn a_vector_along_the_tangent_is_at_a_right_angle_and_one_near_it_keeps_its_smal
 }
 
 #[test]
-fn a_frame_in_the_world_puts_the_major_axis_at_azimuth_zero() {
+fn a_frame_in_the_world_puts_the_first_axis_at_azimuth_zero() {
     let mut random = Random(6);
     let tangent = random.direction();
     let major = random.direction();

@@ -6,8 +6,8 @@ use pelage_reference::marschner::{CausticRemoval, Marschner, Params, Roots, elli
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Lobe energies against the truth's: random there with 2^20 rays; measured 3e-5.
-const ENERGY: f64 = 1e-4;
+/// Lobe energies against the truth's six decimals: measured 4.9e-7.
+const ENERGY: f64 = 2e-6;
 
 /// Of the peak, away from caustics: the noise of the truth's histogram; measured 0.0061, for R.
 const BINS: f64 = 0.01;
@@ -17,6 +17,12 @@ const OWN_BINS: f64 = 0.01;
 
 /// Midpoints over inverse roots that were taken away, and over TT's ends.
 const AZIMUTHAL_SUM: f64 = 1e-3;
+
+/// With w_c = 2° and no limit of width: measured 0.03, and 0.117 at θ_d = 0.6, where both caustics are near.
+const NARROW_CAUSTIC: f64 = 0.15;
+
+/// N is a square root at TT's ends and at removed caustics, so it is bounded by C √δ for steps of δ.
+const CONTINUITY: f64 = 10.0;
 
 /// Bins this near a caustic or the end of a path's range (degrees) turn on single rays.
 const NEAR_CAUSTIC: f64 = 2.0;
@@ -116,13 +122,15 @@ fn azimuthal_functions_are_those_of_traced_rays_away_from_caustics() {
 }
 
 #[test]
-fn the_elliptic_index_is_only_akin_to_an_elliptic_section() {
-    let test = "the_elliptic_index_is_only_akin_to_an_elliptic_section";
+fn the_elliptic_index_is_akin_to_an_elliptic_section_along_its_axes() {
+    let test = "the_elliptic_index_is_akin_to_an_elliptic_section_along_its_axes";
     for case in cases().into_iter().skip(3) {
         let Some(truth) = truth_bins(test, case.file) else {
             continue;
         };
-        for (eccentricity, name) in [(0.85, "eta*"), (1.0, "circle")] {
+        let axes = case.tracer.semi_axes;
+        // The ratio as the model has it, none, and the ratio the wrong way round.
+        let errors = [axes.x / axes.y, 1.0, axes.y / axes.x].map(|eccentricity| {
             let marschner = model(Params {
                 eccentricity,
                 ..bare(case.tracer.sigma_a)
@@ -134,10 +142,18 @@ fn the_elliptic_index_is_only_akin_to_an_elliptic_section() {
                 let n = marschner.n_p(TRT, case.tracer.theta_i, phi, phi_h).x;
                 square += (n - truth[TRT]).powi(2) / 720.0;
             }
-            let error = square.sqrt() / peak(&truth, TRT);
-            // No bound to hold: it is printed for the report.
-            println!("{} {name}: rms {error:.4} of the peak", case.file);
-            assert!(error.is_finite());
+            square.sqrt() / peak(&truth, TRT)
+        });
+        println!(
+            "{}: rms of eta*, circle, wrong way: {errors:.4?} of the peak",
+            case.file
+        );
+        // Oblique light is beyond it: there is nothing to hold but the figure above.
+        if case.tracer.phi_i == 0.0 {
+            assert!(
+                errors[0] < 0.6 * errors[1] && errors[0] < errors[2],
+                "{errors:?}"
+            );
         }
     }
 }
@@ -227,40 +243,65 @@ fn the_cubic_fit_is_near_the_exact_roots() {
     }
 }
 
+/// ∫ N_TRT dφ without absorption, of what it should be.
+fn kept_energy(theta_d: f64, caustic: CausticRemoval) -> f64 {
+    let marschner = model(Params {
+        caustic: Some(caustic),
+        ..bare(0.0)
+    });
+    let n = 20_000;
+    let at = |i: i32| PI * (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0);
+    let sum: f64 = (0..n)
+        .map(|i| marschner.n_p(TRT, theta_d, at(i), 0.0).x)
+        .sum();
+    sum * TAU / f64::from(n) / marschner.path_energy(TRT, theta_d).x
+}
+
 #[test]
-fn removing_the_caustic_with_half_the_glint_keeps_its_energy_roughly() {
-    for theta_d in [0.0, 0.3, 0.6, 0.9, 1.0, 1.1] {
-        let energy = |k_g| {
-            let marschner = model(Params {
-                caustic: Some(CausticRemoval {
-                    k_g,
-                    ..CausticRemoval::default()
-                }),
-                ..bare(0.0)
-            });
-            let n = 20_000;
-            let at = |i: i32| PI * (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0);
-            (0..n)
-                .map(|i| marschner.n_p(TRT, theta_d, at(i), 0.0).x * TAU / f64::from(n))
-                .sum::<f64>()
+fn half_the_glint_puts_back_the_energy_of_a_narrow_caustic() {
+    // The parabola that gives Δh holds near the caustic only, and what fades out reaches 8 % further than w_c.
+    for theta_d in [0.0, 0.3, 0.6] {
+        let caustic = CausticRemoval {
+            w_c: 2f64.to_radians(),
+            delta_h_max: 1.0,
+            ..CausticRemoval::default()
         };
-        let truth = model(bare(0.0)).path_energy(TRT, theta_d).x;
-        let kept = [0.0, 0.5, 1.0, 5.0].map(|k_g| energy(k_g) / truth);
-        println!("theta_d {theta_d}: TRT energy at k_G 0, 0.5, 1, 5: {kept:.3?}");
-        assert!(kept[1] > 0.4 && kept[1] < 1.6, "{theta_d}: {kept:?}");
+        let kept = kept_energy(theta_d, caustic);
+        println!("theta_d {theta_d}: narrow caustic, k_G 0.5 keeps {kept:.4} of TRT");
+        assert!((kept - 1.0).abs() < NARROW_CAUSTIC, "{theta_d}: {kept}");
+    }
+}
+
+#[test]
+fn half_the_glint_at_published_widths_loses_energy_to_the_limit_of_width() {
+    for theta_d in [0.0, 0.3, 0.6, 0.9, 1.0, 1.1] {
+        for (name, delta_h_max) in [("published", 0.5), ("no limit", 1.0)] {
+            let kept = [0.0, 0.5, 1.0, 5.0].map(|k_g| {
+                let caustic = CausticRemoval {
+                    k_g,
+                    delta_h_max,
+                    ..CausticRemoval::default()
+                };
+                kept_energy(theta_d, caustic)
+            });
+            println!("theta_d {theta_d} {name}: TRT energy at k_G 0, 0.5, 1, 5: {kept:.3?}");
+            assert!(kept[1] > 0.4 && kept[1] < 1.1, "{theta_d}: {kept:?}");
+        }
     }
 }
 
 #[test]
 fn the_furnace_of_the_published_form_is_printed_with_its_terms() {
-    // Narrow lobes leave the azimuth alone; wide ones show what the Gaussian in θ_h does at grazing angles.
-    for beta in [1.0f64, 7.5] {
-        for (name, caustic) in [
-            ("caustic kept", None),
-            ("k_G 0.5", Some(0.5)),
-            ("k_G 2", Some(2.0)),
-        ] {
+    let shifts = Params::default().alpha;
+    for (beta, alpha) in [
+        (0.5f64, [0.0; 3]),
+        (7.5, [0.0; 3]),
+        (0.5, shifts),
+        (7.5, shifts),
+    ] {
+        for (name, caustic) in [("kept", None), ("k_G 0.5", Some(0.5)), ("k_G 2", Some(2.0))] {
             let marschner = model(Params {
+                alpha,
                 beta: [beta, 0.5 * beta, 2.0 * beta].map(f64::to_radians),
                 caustic: caustic.map(|k_g| CausticRemoval {
                     k_g,
@@ -268,16 +309,42 @@ fn the_furnace_of_the_published_form_is_printed_with_its_terms() {
                 }),
                 ..bare(0.0)
             });
-            for degrees in [0.0f64, 30.0, 60.0, 85.0, 89.0] {
+            for degrees in [-60.0f64, 0.0, 30.0, 60.0, 85.0] {
                 let wo = Direction::new(degrees.to_radians(), 0.0);
-                let lobes = furnace_lobes(&marschner, wo, 120).map(|lobe| lobe.x);
+                let lobes = furnace_lobes(&marschner, wo, 90).map(|lobe| lobe.x);
                 let sum: f64 = lobes.iter().sum();
+                let tilted = if alpha[0] == 0.0 {
+                    "straight"
+                } else {
+                    "tilted"
+                };
                 println!(
-                    "beta_R {beta} {name} theta_o {degrees}: {sum:.4} = {:.4?}",
+                    "furnace beta_R {beta} {tilted} caustic {name} theta_o {degrees}: {sum:.4} = {:.4?}",
                     &lobes[..3]
                 );
-                assert!(sum > 0.0 && sum < 4.0, "{sum}");
+                assert!(sum > 0.5 && sum < 1.5, "{sum}");
             }
+        }
+    }
+}
+
+#[test]
+fn narrow_straight_lobes_return_the_energy_of_their_paths() {
+    let narrow = model(Params {
+        alpha: [0.0; 3],
+        beta: [1e-3; 3],
+        ..bare(0.0)
+    });
+    for theta in [0.0, 0.5, 1.2] {
+        let lobes = furnace_lobes(&narrow, Direction::new(theta, 0.0), 2000);
+        for p in 0..=TRT {
+            let ratio = lobes[p].x / narrow.path_energy(p, theta).x;
+            println!("theta {theta} p {p}: furnace / energy {ratio:.5}");
+            // Midpoints at TRT's caustic: measured 0.02; TT's ends 1e-4.
+            assert!(
+                (ratio - 1.0).abs() < if p == TRT { 0.05 } else { 1e-3 },
+                "{ratio}"
+            );
         }
     }
 }
@@ -344,6 +411,25 @@ proptest! {
         let (wi, wo) = (Direction::new(theta_i, phi_i), Direction::new(theta_o, phi_i + phi));
         for lobe in marschner.scatter_lobes(wi, wo) {
             prop_assert!(lobe.is_finite() && lobe.min_element() >= 0.0, "{lobe}");
+        }
+    }
+
+    #[test]
+    fn without_caustics_azimuthal_functions_are_continuous(
+        eta in prop_oneof![1.01..3.0f64, 1.99..2.01f64, Just(2.0)],
+        theta_d in -1.5..1.5f64, phi in -PI..PI, log_step in -9.0..-3.0f64, p in 0usize..3, cubic in any::<bool>(),
+    ) {
+        let marschner = model(Params {
+            eta,
+            roots: if cubic { Roots::Cubic } else { Roots::Exact },
+            caustic: Some(CausticRemoval::default()),
+            ..bare(0.0)
+        });
+        let step = 10f64.powf(log_step);
+        let at = |theta_d: f64, phi: f64| marschner.n_p(p, theta_d, phi, 0.0).x;
+        let n = at(theta_d, phi);
+        for moved in [at(theta_d, phi + step), at(theta_d + step, phi)] {
+            prop_assert!((moved - n).abs() <= CONTINUITY * step.sqrt(), "{n} {moved} {step}");
         }
     }
 
