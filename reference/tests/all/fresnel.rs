@@ -2,8 +2,8 @@ use pelage_reference::fresnel::{bravais, bravais_fresnel, fresnel};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// A few dozen operations, with cancellation near Brewster's angle and where η' is large: measured 4e-12.
-const ROUNDING: f64 = 1e-10;
+/// A few dozen operations, and a square root of a difference near grazing incidence: measured 2.6e-13.
+const ROUNDING: f64 = 1e-11;
 
 #[test]
 fn glass_reflects_four_per_cent_at_normal_incidence() {
@@ -29,7 +29,7 @@ proptest! {
     fn both_ways_through_a_surface_reflect_alike(eta in 1.01..3.0f64, cos_i in 0.0..1.0f64) {
         let sin_t = (1.0 - cos_i * cos_i).sqrt() / eta;
         let inside = fresnel(1.0 / eta, (1.0 - sin_t * sin_t).sqrt());
-        prop_assert!((fresnel(eta, cos_i).unpolarised() - inside.unpolarised()).abs() < 1e-6);
+        prop_assert!((fresnel(eta, cos_i).unpolarised() - inside.unpolarised()).abs() < ROUNDING);
     }
 
     #[test]

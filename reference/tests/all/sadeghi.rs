@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, FRAC_PI_6, PI};
 /// Azimuths of furnaces: the narrowest Gaussian drawn is 0.05 wide, midpoints every 0.012 resolve it.
 const AZIMUTHS: usize = 512;
 
-/// Two quadratures of the same integral, one by midpoints over the corner of cos(φ/2) at π: measured 4e-6.
+/// Two quadratures of the same integral, one by midpoints over the corner of cos(φ/2) at π: measured 6e-6.
 const FURNACE: f64 = 2e-5;
 
 fn any_lobe() -> impl Strategy<Value = LobeControls> {
