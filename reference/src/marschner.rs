@@ -95,6 +95,21 @@ impl Default for Params {
     }
 }
 
+impl Params {
+    /// From the optics that the physical models share: `β_R = √v(β_m) / 2`, β_TT = β_R / 2, β_TRT = 2 β_R, α_R = -alpha,
+    /// α_TT = alpha / 2, α_TRT = 3 alpha / 2; a round section, exact roots, caustic removed.
+    pub fn of_fibre(optics: &crate::chiang::Params) -> Self {
+        let beta_r = 0.5 * crate::chiang::longitudinal_variance(optics.beta_m).sqrt();
+        Self {
+            eta: optics.eta,
+            sigma_a: optics.sigma_a,
+            alpha: [-1.0, 0.5, 1.5].map(|k| k * optics.alpha),
+            beta: [1.0, 0.5, 2.0].map(|k| k * beta_r),
+            ..Self::default()
+        }
+    }
+}
+
 /// The model, with parameters in range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Marschner {
