@@ -12,6 +12,9 @@ const AZIMUTHS: usize = 60;
 /// Averages with 60 azimuths against some with 180: measured 1e-4, Marschner's TT at its ends.
 const QUADRATURE: f64 = 1e-3;
 
+/// Series cut at terms below 1e-13.
+const SUMS: f64 = 1e-10;
+
 fn blond() -> Chiang {
     Chiang::new(chiang::Params {
         sigma_a: DVec3::new(0.06, 0.10, 0.20),
@@ -103,35 +106,50 @@ fn light_through_more_fibres_is_less_and_wider() {
 }
 
 #[test]
-fn backscattering_is_a_sum_over_paths() {
-    // One step back after i fibres and through i again; then three steps back among four runs of fibres.
+fn backscattering_is_the_sum_over_paths_that_turn_once_or_thrice() {
     let (a_f, a_b) = (0.6f64, 0.2f64);
     let averages = Averages {
         a_f: DVec3::splat(a_f),
         a_b: DVec3::splat(a_b),
         alpha_f: DVec3::splat(0.03),
+        alpha_b: DVec3::splat(-0.05),
         beta_f: DVec3::splat(0.2),
         beta_b: DVec3::splat(0.4),
-        ..Averages::default()
     };
     let local = averages.local(Density::default());
-    let once: f64 = (1..200).map(|i| a_b * a_f.powi(2 * i)).sum();
-    // In at i, back to i - j, in again by k, and out through i - j + k: 2i + 2k fibres on the way.
+    // Fibres in layers 0, 1, 2, ...: a path that turns at layer i passes i fibres each way; one that turns at a, at b
+    // above it and at c below that passes a on the way in, those between, and c on the way out. A first turn at layer 0 is
+    // the fibre's own doing.
+    let (mut once, mut shift) = (0.0, 0.0);
+    for i in 1..100 {
+        let part = a_b * a_f.powi(2 * i);
+        once += part;
+        shift += part * (-0.05 + 2.0 * f64::from(i) * 0.03);
+    }
     let mut thrice = 0.0;
-    for i in 1..80 {
-        for j in 1..=i {
-            for k in 1..80 {
-                let fibres = (i - 1) + (j - 1) + (k - 1) + (i - j + k);
-                thrice += a_b.powi(3) * a_f.powi(fibres);
+    for b in 0..60 {
+        for a in b + 1..100 {
+            for c in b + 1..100 {
+                thrice += a_b.powi(3) * a_f.powi(a + (a - b - 1) + (c - b - 1) + c);
             }
         }
     }
-    println!(
-        "A_b {:.6}: once {once:.6}, thrice by paths {thrice:.6}",
-        local.a_b.x
+    assert!(
+        (local.a_b.x - once - thrice).abs() < SUMS,
+        "{local:?} {once} {thrice}"
     );
-    let third = local.a_b.x - once;
-    assert!((third - a_b.powi(3) * a_f * a_f / (1.0 - a_f * a_f).powi(3)).abs() < 1e-12);
+
+    // Where little turns, the shift is that of the paths that turn once.
+    let rare = Averages {
+        a_b: DVec3::splat(1e-6),
+        ..averages
+    };
+    let delta = rare.local(Density::default()).delta_b.x;
+    assert!(
+        (delta - shift / once).abs() < SUMS,
+        "{delta} {}",
+        shift / once
+    );
 }
 
 #[test]
