@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3, Vec3};
 use crate::error::{Error, Result, invalid};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::groom::{Curve, Strands, tessellate};
-use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttributes};
+use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttributes, Projected};
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::Module;
@@ -20,10 +20,12 @@ const RUN_ALIGNMENT: usize = 64;
 pub(crate) const MAX_FRAME_POINTS: u64 = 1 << 24;
 
 /// A part of a hair's points that one dispatch treats: whole strands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Run {
     pub first: u32,
     pub count: u32,
+    /// Segments between its points.
+    pub segments: u32,
 }
 
 /// A groom on the GPU, with how it is to be drawn. Made by [`crate::Renderer::create_hair`].
@@ -51,6 +53,8 @@ pub(crate) struct Geometry {
     pub points: Allocation,
     pub attributes: Allocation,
     pub colours: Allocation,
+    /// The order in which the walk takes each run's segments; a run's begins where its points do.
+    pub segments: Allocation,
     pub runs: Vec<Run>,
     /// Points are stored relative to this position of the groom's own space.
     pub origin: DVec3,
@@ -61,9 +65,10 @@ pub(crate) struct Geometry {
     pub length: f64,
     pub strand_count: u64,
     pub segment_count: u64,
-    /// What the host gave, and the order of its strands on the GPU.
+    /// What the host gave, the order of its strands on the GPU, and the pieces that each of its segments was cut into.
     strands: Strands,
     order: Vec<u32>,
+    pieces: u32,
 }
 
 impl Hair {
@@ -116,7 +121,9 @@ impl Geometry {
             );
         }
         let order = morton_order(strands);
-        let packed = pack(strands, &order, run_limit(gpu))?;
+        let pieces = curve_pieces(strands);
+        let packed = pack(strands, &order, pieces, run_limit(gpu))?;
+        let segments = segment_order(&packed);
         let colours: Vec<[u32; 2]> = strands.colours().iter().map(|c| half_colour(*c)).collect();
         let buffer = |label, bytes: &[u8]| -> Result<Allocation> {
             let allocation = gpu.storage(label, bytes.len() as u64)?;
@@ -134,6 +141,7 @@ impl Geometry {
                 bytemuck::cast_slice(&packed.attributes),
             )?,
             colours: buffer("pelage.geometry.colours", bytemuck::cast_slice(&colours))?,
+            segments: buffer("pelage.geometry.segments", bytemuck::cast_slice(&segments))?,
             runs: packed.runs,
             origin: packed.origin,
             half_extent: packed.half_extent,
@@ -143,14 +151,15 @@ impl Geometry {
             segment_count: packed.segment_count,
             strands: strands.clone(),
             order,
+            pieces,
         })
     }
 
-    /// Replaces every position; see [`Strands::set_points`].
+    /// Replaces every position; see [`Strands::set_points`]. Curves stay cut into as many pieces as they were.
     pub fn update(&mut self, gpu: &Gpu, points: &[[f32; 3]]) -> Result<()> {
         let mut strands = self.strands.clone();
         strands.set_points(points)?;
-        let packed = pack(&strands, &self.order, run_limit(gpu))?;
+        let packed = pack(&strands, &self.order, self.pieces, run_limit(gpu))?;
         gpu.queue
             .write_buffer(&self.points.buffer, 0, bytemuck::cast_slice(&packed.points));
         self.origin = packed.origin;
@@ -161,9 +170,9 @@ impl Geometry {
     }
 }
 
-/// The most points of one run: what one binding of 16-byte points holds.
+/// The most points of one run: what one binding of projected points holds.
 fn run_limit(gpu: &Gpu) -> usize {
-    (gpu.max_binding() / 16) as usize / RUN_ALIGNMENT * RUN_ALIGNMENT
+    (gpu.max_binding() / size_of::<Projected>() as u64) as usize / RUN_ALIGNMENT * RUN_ALIGNMENT
 }
 
 fn half_colour(c: [f32; 3]) -> [u32; 2] {
@@ -199,8 +208,7 @@ fn spread_bits(value: u32) -> u32 {
 }
 
 /// Cuts curves, orders strands, and parts them into runs of at most `limit` points.
-fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
-    let pieces = curve_pieces(strands);
+fn pack(strands: &Strands, order: &[u32], pieces: u32, limit: usize) -> Result<Packed> {
     let cut = if pieces == 1 {
         None
     } else {
@@ -220,7 +228,7 @@ fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
         length: 0.0,
         segment_count: strands.segment_count() as u64,
     };
-    let mut run = Run { first: 0, count: 0 };
+    let mut run = Run::default();
     for &strand in order {
         let range = strands.range(strand as usize);
         if range.len() > limit {
@@ -234,10 +242,11 @@ fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
             packed.runs.push(run);
             run = Run {
                 first: packed.points.len() as u32,
-                count: 0,
+                ..Run::default()
             };
         }
         run.count += range.len() as u32;
+        run.segments += range.len() as u32 - 1;
         let mut previous: Option<DVec3> = None;
         for at in range.clone() {
             let position = Vec3::from(strands.points()[at]).as_dvec3() - origin;
@@ -260,6 +269,48 @@ fn pack(strands: &Strands, order: &[u32], limit: usize) -> Result<Packed> {
         packed.runs.push(run);
     }
     Ok(packed)
+}
+
+/// Strands whose segments are taken together.
+const SEGMENT_BLOCK: usize = 64;
+
+/// The order in which the walk takes segments: of a block of neighbouring strands first the ends, whose coverage is
+/// dearer, then the others along each strand. Invocations that run side by side then treat segments of like length and
+/// direction, and few of them wait for an end.
+fn segment_order(packed: &Packed) -> Vec<u32> {
+    let mut order = vec![0; packed.points.len()];
+    for run in &packed.runs {
+        let attributes = &packed.attributes[run.first as usize..(run.first + run.count) as usize];
+        let mut at = run.first as usize;
+        let mut block: Vec<(u32, u32)> = Vec::new();
+        let mut strands = 0;
+        for (index, point) in attributes.iter().enumerate() {
+            let (first, last) = (
+                point.strand & POINT_FIRST != 0,
+                point.strand & POINT_LAST != 0,
+            );
+            if !last {
+                let before_last = attributes[index + 1].strand & POINT_LAST != 0;
+                let class = match (first, before_last) {
+                    (true, _) => 0,
+                    (_, true) => 1,
+                    _ => 2,
+                };
+                block.push((class, index as u32));
+                continue;
+            }
+            strands += 1;
+            if strands == SEGMENT_BLOCK || index + 1 == attributes.len() {
+                block.sort_unstable();
+                for (_, index) in block.drain(..) {
+                    order[at] = index;
+                    at += 1;
+                }
+                strands = 0;
+            }
+        }
+    }
+    order
 }
 
 /// The turn of a cut curve's joints, in radians, that shows no corner.

@@ -87,14 +87,14 @@ impl Group {
                 vec![uniform(0), uniform(1), uniform(2), depth]
             }
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
-            Self::Project => (0..5)
-                .map(|binding| storage(binding, Stages::COMPUTE, !(2..4).contains(&binding)))
+            Self::Project => (0..4)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding != 2))
                 .collect(),
             Self::Segments => (0..2)
                 .map(|binding| storage(binding, raster | Stages::VERTEX, true))
                 .collect(),
-            Self::Shade => (0..4)
-                .map(|binding| storage(binding, Stages::COMPUTE, binding < 3))
+            Self::Shade => (0..5)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding < 4))
                 .collect(),
             Self::MapsWritten => vec![storage(0, raster, false)],
             Self::MapsRead => vec![storage(0, raster, true)],

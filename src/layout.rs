@@ -18,7 +18,7 @@ pub const POINT_FIRST: u32 = 0x8000_0000;
 pub const POINT_LAST: u32 = 0x4000_0000;
 pub const POINT_STRAND: u32 = 0x3fff_ffff;
 /// Pixels a side of the tiles that know the host's farthest depth; the same in WGSL.
-pub const HOST_TILE: u32 = 8;
+pub const HOST_TILE: u32 = 4;
 /// Words a pixel of the overflow buffer; `OVERFLOW_WORDS` in WGSL.
 pub const OVERFLOW_WORDS: u64 = 7;
 /// Pixels that one workgroup of the scan treats; `SCAN_BLOCK` in WGSL.
@@ -44,8 +44,8 @@ pub struct Drawing {
     pub layer_extent: f32,
     pub row_first: u32,
     pub row_end: u32,
+    pub segment_count: u32,
     pub padding_0: u32,
-    pub padding_1: u32,
 }
 
 #[repr(C)]
@@ -108,9 +108,9 @@ pub struct Counters {
     pub stored: u32,
     pub merged: u32,
     pub overflow: u32,
-    pub mismatched: u32,
     pub covered: u32,
     pub padding_0: u32,
+    pub padding_1: u32,
     pub walk_arguments: [u32; 4],
     pub ribbon_arguments: [u32; 4],
 }
@@ -135,11 +135,6 @@ pub struct Projected {
     pub position: [f32; 2],
     pub depth: f32,
     pub half_width: f32,
-}
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct ProjectedAttributes {
     pub bisector: u32,
     pub flags: u32,
 }

@@ -10,6 +10,7 @@ use crate::gpu::{Gpu, workgroups};
 use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
+use crate::shadow::deep_opacity_map::FRONT_BLOCK;
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::Transparency;
 use crate::transparency::a_buffer::FRAGMENT_BYTES;
@@ -289,6 +290,7 @@ impl Plan {
                     opacity: frame.hairs[run.hair].opacity,
                     point_count: run.run.count,
                     point_base: run.base,
+                    segment_count: run.run.segments,
                     ..*common
                 })
             })
@@ -365,8 +367,9 @@ impl Plan {
         gpu: &Gpu,
     ) -> Result<()> {
         let texels = u64::from(settings.resolution).pow(2);
+        let fronts = u64::from(settings.resolution.div_ceil(FRONT_BLOCK)).pow(2);
         let front_base = self.map_words;
-        let layer_base = front_base + texels;
+        let layer_base = front_base + fronts;
         self.map_words = layer_base + texels * u64::from(settings.layers);
         if self.map_words * 4 > gpu.max_binding() {
             return Err(Error::Unsupported(format!(

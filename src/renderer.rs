@@ -161,13 +161,6 @@ impl Renderer {
             merged: returned.merged,
         };
         self.statistics.covered_pixels = returned.covered;
-        self.statistics.mismatched = returned.mismatched;
-        if returned.mismatched > 0 {
-            log::error!(
-                "{} fragments were stored that had not been counted",
-                returned.mismatched
-            );
-        }
         if returned.merged > 0 {
             log::warn!(
                 "the fragment pool was too small: {} of {} fragments were merged",

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, OVERFLOW_WORDS, SCAN_BLOCK};
+use crate::layout::{Counters, OVERFLOW_WORDS, Projected, SCAN_BLOCK};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::transparency::Transparency;
@@ -143,7 +143,6 @@ pub(crate) struct Returned {
     pub culled: u64,
     pub stored: u64,
     pub merged: u64,
-    pub mismatched: u64,
     pub covered: u64,
     /// The most that one band asked of the pool.
     pub needed: u64,
@@ -152,7 +151,6 @@ pub(crate) struct Returned {
 /// Pools, ring and bind groups.
 pub(crate) struct Resources {
     projected: Allocation,
-    projected_attributes: Allocation,
     shaded: Allocation,
     host_tiles: Allocation,
     maps: Allocation,
@@ -219,7 +217,6 @@ impl Resources {
             .collect::<Result<Vec<_>>>()?;
         Ok(Self {
             projected: empty("pelage.geometry.projected")?,
-            projected_attributes: empty("pelage.geometry.projected_attributes")?,
             shaded: empty("pelage.shading.points")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
@@ -301,14 +298,7 @@ impl Resources {
             gpu,
             &mut self.projected,
             "pelage.geometry.projected",
-            points * 16,
-            generation,
-        )?;
-        grow(
-            gpu,
-            &mut self.projected_attributes,
-            "pelage.geometry.projected_attributes",
-            points * 8,
+            points * size_of::<Projected>() as u64,
             generation,
         )?;
         grow(
@@ -520,8 +510,8 @@ impl Resources {
                 );
                 let points = || part(&geometry.points, first, count, 16);
                 let attributes = || part(&geometry.attributes, first, count, 8);
-                let projected = || part(&self.projected, base, count, 16);
-                let projected_attributes = || part(&self.projected_attributes, base, count, 8);
+                let each = size_of::<Projected>() as u64;
+                let projected = || part(&self.projected, base, count, each);
                 RunGroups {
                     project: gpu.bind(
                         "pelage.project",
@@ -530,14 +520,13 @@ impl Resources {
                             points(),
                             attributes(),
                             projected(),
-                            projected_attributes(),
                             self.host_tiles.binding(),
                         ],
                     ),
                     segments: gpu.bind(
                         "pelage.segments",
                         Group::Segments,
-                        &[projected(), projected_attributes()],
+                        &[projected(), part(&geometry.segments, first, count, 4)],
                     ),
                     shade: gpu.bind(
                         "pelage.shade",
@@ -546,6 +535,7 @@ impl Resources {
                             points(),
                             attributes(),
                             geometry.colours.binding(),
+                            projected(),
                             self.shaded.binding(),
                         ],
                     ),
@@ -748,7 +738,6 @@ fn read_slot(slot: &Slot) -> Returned {
         sum.culled += culled;
         sum.stored += stored;
         sum.merged += merged;
-        sum.mismatched += u64::from(counters.mismatched);
         sum.covered += u64::from(counters.covered);
         sum.needed = sum.needed.max(needed);
     }

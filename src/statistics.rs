@@ -42,6 +42,4 @@ pub struct Statistics {
     pub bytes_peak: u64,
     /// Time of each pass; only from a profiled frame.
     pub passes: Vec<PassTime>,
-    /// Fragments the frame had to drop because two passes disagreed: a fault of the library, 0 always.
-    pub mismatched: u64,
 }

@@ -67,7 +67,10 @@ pub fn combinations() -> Vec<Combination> {
     }
     modules.push((
         "prefix".into(),
-        Module::new(&["shadow/deep_opacity_map_prefix"]),
+        Module::new(&[
+            "shadow/deep_opacity_map_common",
+            "shadow/deep_opacity_map_prefix",
+        ]),
     ));
     modules.push((
         "overflow".into(),
@@ -129,8 +132,8 @@ pub fn layouts() -> Vec<Layout> {
     layouts! {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
-            point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end, padding_0,
-            padding_1,
+            point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
+            segment_count, padding_0,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
@@ -140,11 +143,10 @@ pub fn layouts() -> Vec<Layout> {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, lights, shadow_views,
         }
         Material { values }
-        Counters { produced, culled, stored, merged, overflow, mismatched, covered, padding_0, walk_arguments, ribbon_arguments }
+        Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
         PointAttributes { strand, coordinate }
-        Projected { position, depth, half_width }
-        ProjectedAttributes { bisector, flags }
+        Projected { position, depth, half_width, bisector, flags }
     }
 }
 

@@ -20,10 +20,10 @@ fn footprint(normal: vec2f) -> Footprint {
 
 // Area of the square between its centre line and the line at distance `d`, signed like `d`: from -½ to ½.
 fn coverage_half_plane(f: Footprint, d: f32) -> f32 {
-    let reach = min(abs(d), f.support);
-    let inner = min(reach, f.inner);
+    let reach = clamp(d, -f.support, f.support);
+    let inner = clamp(reach, -f.inner, f.inner);
     let outer = reach - inner;
-    return sign(d) * (inner + outer * (1.0 - outer * f.inverse_2b)) * f.inverse_a;
+    return (inner + outer * (1.0 - abs(outer) * f.inverse_2b)) * f.inverse_a;
 }
 
 // Area of the square within the band whose axis is at distance `d` and whose half-width is `h`.
@@ -45,6 +45,13 @@ fn coverage_edge(p: vec2f, q: vec2f, low: f32, width: f32, start: f32, end: f32)
     let run = n1 - n0;
     let sum = 0.5 * (c1 - c0) * (c1 + c0) + width * (max(n1, width) - max(n0, width));
     return (t1 - t0) * select(sum / run, 0.5 * (c0 + c1), abs(run) < 1e-6);
+}
+
+// Whether the rectangle |n + across| < half_width, start < t < end reaches into the square along the square's own axes.
+fn coverage_touches(normal: vec2f, across: f32, half_width: f32, start: f32, end: f32) -> bool {
+    let tangent = vec2f(-normal.y, normal.x);
+    let centre = 0.5 * (start + end) * tangent - across * normal;
+    return all(abs(centre) < 0.5 + half_width * abs(normal) + 0.5 * (end - start) * abs(tangent));
 }
 
 // Area of the square within the rectangle low < n < low + width, start < t < end in the frame (normal, tangent) around

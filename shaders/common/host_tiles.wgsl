@@ -5,6 +5,7 @@
 
 @compute @workgroup_size(64)
 fn host_tiles_range(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    pixels_begin();
     let number = invocation.x + invocation.y * groups.x * 64u;
     let columns = (frame.width + HOST_TILE - 1u) / HOST_TILE;
     let rows = (frame.height + HOST_TILE - 1u) / HOST_TILE;

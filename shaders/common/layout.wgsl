@@ -30,8 +30,9 @@ struct Drawing {
     // Rows of the view that this pass treats; pooled pixels are numbered from `row_first`.
     row_first: u32,
     row_end: u32,
+    // Segments of the run, and entries of its order.
+    segment_count: u32,
     padding_0: u32,
-    padding_1: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -39,7 +40,7 @@ const DRAWING_REVERSE_Z: u32 = 2u;
 const DRAWING_HOST_DEPTH: u32 = 4u;
 
 // Pixels a side of the tiles that know the host's farthest depth.
-const HOST_TILE: u32 = 8u;
+const HOST_TILE: u32 = 4u;
 
 struct Light {
     // Position (w = 1) or direction towards the light (w = 0), in relative space.
@@ -108,10 +109,9 @@ struct Counters {
     merged: atomic<u32>,
     // 1 where the pool is too small for this frame.
     overflow: atomic<u32>,
-    // Fragments for which a pass counted no room: a fault of the library, zero in every test.
-    mismatched: atomic<u32>,
     covered: atomic<u32>,
     padding_0: u32,
+    padding_1: u32,
     // Arguments of the overflow's walks and ribbons: all zero, and so none is run, where the pool suffices.
     walk_arguments: vec4u,
     ribbon_arguments: vec4u,
@@ -139,10 +139,7 @@ struct Projected {
     position: vec2f,
     depth: f32,
     half_width: f32,
-}
-
-// `bisector` is the unit normal of the plane that parts the point's two segments (2 × snorm16).
-struct ProjectedAttributes {
+    // Unit normal of the plane that parts the point's two segments (2 × snorm16).
     bisector: u32,
     // PROJECTED_… below, and how far it is along the strand to its first and its last point, in pixels up to 1, in 12
     // bits each.

@@ -8,8 +8,7 @@
 @group(1) @binding(0) var<storage, read> points: array<Point>;
 @group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
 @group(1) @binding(2) var<storage, read_write> projected_out: array<Projected>;
-@group(1) @binding(3) var<storage, read_write> projected_attributes_out: array<ProjectedAttributes>;
-@group(1) @binding(4) var<storage, read> host_tiles: array<vec2u>;
+@group(1) @binding(3) var<storage, read> host_tiles: array<vec2u>;
 
 // Points closer than this on the screen give no direction.
 const PROJECT_COINCIDENT_PX: f32 = 1e-4;
@@ -101,17 +100,22 @@ fn project_depth(position: vec3f, clip: vec4f) -> f32 {
 }
 
 // Segments over more tiles than this are not looked up.
-const PROJECT_TILES: u32 = 32u;
+const PROJECT_TILES: u32 = 64u;
 
 // What is known of the whole segment to the next point: PROJECTED_UNSEEN, PROJECTED_IN_FRONT, or neither.
 fn project_visibility(here: Projected, next: vec3f, next_radius: f32) -> u32 {
     let clip = project_clip(next);
     if project_near_distance(clip) < 0.0 || clip.w <= 0.0 { return 0u; }
     let there = project_pixel(clip);
-    // Wide enough for any direction: the silhouette of a sphere of the radius, and the skirt of the footprint.
-    let scale = max(length(drawing.clip_from_relative[0].xy), length(drawing.clip_from_relative[1].xy));
-    let widest = max(scale, length(drawing.clip_from_relative[2].xy)) * max(drawing.viewport.x, drawing.viewport.y);
-    let reach = max(here.half_width, next_radius * drawing.radius_scale * widest / clip.w) + 2.0;
+    // A sphere of the radius at the next point: its centre's shift on the screen has at most these rows' lengths, twice
+    // over where the sphere is close to the eye; and the footprint's skirt.
+    let m = drawing.clip_from_relative;
+    let rows = vec2f(length(vec3f(m[0].x, m[1].x, m[2].x)), length(vec3f(m[0].y, m[1].y, m[2].y)));
+    let row_w = length(vec3f(m[0].w, m[1].w, m[2].w));
+    let radius = next_radius * drawing.radius_scale;
+    let ndc = abs(clip.xy / clip.w);
+    let shift = 0.5 * drawing.viewport * (rows + ndc * row_w) * radius / max(clip.w - radius * row_w, 0.5 * clip.w);
+    let reach = max(here.half_width, max(shift.x, shift.y)) + 1.0;
     let low = min(here.position, there) - reach;
     let high = max(here.position, there) + reach;
     if any(high < vec2f(0.0)) || any(low > drawing.viewport) { return PROJECTED_UNSEEN; }
@@ -159,6 +163,7 @@ fn project_half_width(position: vec3f, tangent: vec3f, radius: f32, direction: v
 
 @compute @workgroup_size(64)
 fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    pixels_begin();
     let index = invocation.x + invocation.y * groups.x * 64u;
     if index >= drawing.point_count { return; }
     let strand = attributes[index].strand;
@@ -233,9 +238,9 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let clip = project_clip(position);
     let direction = select(vec2f(0.0), bisector, dot(sum, sum) > 1e-8);
     let half_width = project_half_width(position, tangent, radius, direction);
-    let here = Projected(project_pixel(clip), project_depth(position, clip), half_width);
+    let here = Projected(project_pixel(clip), project_depth(position, clip), half_width, 0u, 0u);
     let twice = (flags & PROJECTED_CUT_START) != 0u && (flags & PROJECTED_CUT_END) != 0u;
-    projected_out[index] = Projected(here.position, select(here.depth, second_half_width, twice), half_width);
+    let depth = select(here.depth, second_half_width, twice);
     let in_view = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u && (flags & PROJECTED_BEHIND) == 0u;
     if in_view && !is_last { flags |= project_visibility(here, next, points[index + 1u].radius); }
     var word = pack2x16snorm(bisector);
@@ -245,5 +250,5 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     } else if twice {
         word = second;
     }
-    projected_attributes_out[index] = ProjectedAttributes(word, flags);
+    projected_out[index] = Projected(here.position, depth, half_width, word, flags);
 }

@@ -4,10 +4,14 @@
 // ends. There its coverage is that of the unbounded band, clipped only at the strand's own ends. Both segments of a
 // joint evaluate the same plane, so that every pixel has exactly one owner.
 //
-// Where the header says TOUCH_ONLY, coverage is 1 for every pixel that the fibre may touch: enough for a front.
+// Where the header says DOWNSCALE the image has that many of the projection's pixels a pixel.
+//
+// Where the header says TOUCH_ONLY no coverage is found, only which pixels the fibre touches: enough for a front and for
+// a count.
 
 @group(1) @binding(0) var<storage, read> projected: array<Projected>;
-@group(1) @binding(1) var<storage, read> projected_attributes: array<ProjectedAttributes>;
+// First points of the run's segments, in the order in which the walk takes them.
+@group(1) @binding(1) var<storage, read> segments: array<u32>;
 
 // Whether the invocation's segment need not be compared with the host's depth.
 var<private> segment_in_front: bool;
@@ -33,6 +37,9 @@ struct Segment {
     after: f32,
     starts: bool,
     ends: bool,
+    // The fibre's own opacity, and the number of the first point among the frame's pooled points.
+    opacity: f32,
+    point: u32,
     valid: bool,
     footprint: Footprint,
 }
@@ -42,11 +49,17 @@ struct Fragment {
     depth: f32,
     // Place along the segment, from 0 to 1.
     along: f32,
-    coverage: f32,
     // The fibre's opacity × coverage.
     opacity: f32,
+    // Whether the fibre touches the pixel, if only by a part too small for a float: all else is undefined where not.
+    touched: bool,
     // Number of the segment's first point among the frame's pooled points.
     point: u32,
+}
+
+// The image that segments are drawn into, in its own pixels.
+fn segment_viewport() -> vec2f {
+    return ceil(drawing.viewport / f32(DOWNSCALE));
 }
 
 fn segment_beyond(word: u32) -> f32 {
@@ -58,16 +71,17 @@ fn segment_beyond(word: u32) -> f32 {
 fn segment(index: u32) -> Segment {
     var s: Segment;
     s.valid = false;
-    let flags = projected_attributes[index].flags;
+    let flags = projected[index].flags;
     if (flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) != 0u || index + 1u >= drawing.point_count { return s; }
-    let next_flags = projected_attributes[index + 1u].flags;
+    let next_flags = projected[index + 1u].flags;
     if (flags & (PROJECTED_BEHIND | PROJECTED_CUT_START)) == PROJECTED_BEHIND { return s; }
     if (next_flags & (PROJECTED_BEHIND | PROJECTED_CUT_END)) == PROJECTED_BEHIND { return s; }
     segment_in_front = (flags & PROJECTED_IN_FRONT) != 0u;
     let p = projected[index];
     let q = projected[index + 1u];
-    s.start = p.position;
-    s.end = q.position;
+    let scale = 1.0 / f32(DOWNSCALE);
+    s.start = p.position * scale;
+    s.end = q.position * scale;
     s.along_start = 0.0;
     s.along_end = 1.0;
     if (flags & PROJECTED_BEHIND) != 0u {
@@ -78,11 +92,11 @@ fn segment(index: u32) -> Segment {
         s.along_end = f32(steps) / f32(PROJECTED_DISTANCE_MAX);
         if (next_flags & PROJECTED_CUT_START) != 0u {
             let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
-            s.end = unpack2x16snorm(projected_attributes[index + 1u].bisector) * range;
+            s.end = unpack2x16snorm(projected[index + 1u].bisector) * (range * scale);
         }
     }
-    s.start_plane = unpack2x16snorm(projected_attributes[index].bisector);
-    s.end_plane = unpack2x16snorm(projected_attributes[index + 1u].bisector);
+    s.start_plane = unpack2x16snorm(projected[index].bisector);
+    s.end_plane = unpack2x16snorm(projected[index + 1u].bisector);
     let offset = s.end - s.start;
     s.length = length(offset);
     if s.length > 1e-6 {
@@ -95,16 +109,19 @@ fn segment(index: u32) -> Segment {
     s.normal = vec2f(s.tangent.y, -s.tangent.x);
     let twice = PROJECTED_CUT_START | PROJECTED_CUT_END;
     let near = select(0.0, 1.0, (drawing.flags & DRAWING_REVERSE_Z) != 0u);
-    s.start_half_width = p.half_width;
+    s.start_half_width = p.half_width * scale;
     s.start_depth = select(p.depth, near, (flags & twice) == twice);
-    s.end_half_width = select(q.half_width, q.depth, (next_flags & twice) == twice);
+    s.end_half_width = select(q.half_width, q.depth, (next_flags & twice) == twice) * scale;
     s.end_depth = select(q.depth, near, (next_flags & twice) == twice);
     s.starts = (flags & (PROJECTED_FIRST | PROJECTED_BREAK | PROJECTED_CUT_START)) != 0u;
     s.ends = (next_flags & (PROJECTED_LAST | PROJECTED_BREAK | PROJECTED_CUT_END)) != 0u;
-    s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts);
-    s.after = select(segment_beyond(next_flags), 0.0, s.ends);
+    s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts) * scale;
+    s.after = select(segment_beyond(next_flags), 0.0, s.ends) * scale;
     s.footprint = footprint(s.normal);
-    s.valid = max(s.start_half_width, s.end_half_width) > 0.0;
+    // Uniforms are read here once and not at every pixel, where some drivers would read them anew.
+    s.opacity = drawing.opacity;
+    s.point = drawing.point_base + index;
+    s.valid = max(s.start_half_width, s.end_half_width) > 0.0 && s.opacity > 0.0;
     return s;
 }
 
@@ -120,10 +137,16 @@ fn segment_overhang(s: Segment, plane: vec2f, is_end: bool, reach: f32) -> f32 {
     return reach * abs(dot(plane, s.normal)) / max(along, 0.25);
 }
 
-// The segment's fragment in the pixel with the given centre; its coverage is 0 where there is none.
-fn segment_fragment(s: Segment, index: u32, centre: vec2f) -> Fragment {
+// Whether an end of the strand lies within a footprint of the segment.
+fn segment_near_end(s: Segment) -> bool {
+    return min(s.before, s.after) < 1.0;
+}
+
+// The segment's fragment in the pixel with the given centre. `near_end` is `segment_near_end`; where a caller passes
+// `false` as a constant the code for ends is left out.
+fn segment_fragment(s: Segment, centre: vec2f, near_end: bool) -> Fragment {
     var fragment: Fragment;
-    fragment.coverage = 0.0;
+    fragment.touched = false;
     let from_start = centre - s.start;
     if !s.starts && dot(from_start, s.start_plane) < 0.0 { return fragment; }
     if !s.ends && dot(centre - s.end, s.end_plane) >= 0.0 { return fragment; }
@@ -132,21 +155,23 @@ fn segment_fragment(s: Segment, index: u32, centre: vec2f) -> Fragment {
     let part = clamp(along * s.inverse_length, 0.0, 1.0);
     let half_width = mix(s.start_half_width, s.end_half_width, part);
     fragment.along = mix(s.along_start, s.along_end, part);
+    fragment.depth = mix(s.start_depth, s.end_depth, part);
+    fragment.point = s.point;
     let support = s.footprint.support;
     // A strand's end cuts every segment within a footprint of it, not only the last one.
     let start = -along - s.before;
     let end = s.length - along + s.after;
-    if TOUCH_ONLY {
-        let touches = abs(across) < half_width + support && start < support && end > -support;
-        fragment.coverage = select(0.0, 1.0, touches);
-    } else {
-        fragment.coverage = coverage_band(s.footprint, across, half_width);
+    fragment.touched = abs(across) < half_width + support;
+    if near_end {
+        fragment.touched = fragment.touched && start < support && end > -support
+            && coverage_touches(s.normal, across, half_width, max(start, -2.0), min(end, 2.0));
     }
-    if !TOUCH_ONLY && fragment.coverage > 0.0 && (start > -support || end < support) {
-        fragment.coverage = coverage_rectangle(s.normal, -across - half_width, 2.0 * half_width, start, end);
+    if !TOUCH_ONLY {
+        var coverage = coverage_band(s.footprint, across, half_width);
+        if near_end && (start > -support || end < support) {
+            coverage = coverage_rectangle(s.normal, -across - half_width, 2.0 * half_width, start, end);
+        }
+        fragment.opacity = s.opacity * max(coverage, 0.0);
     }
-    fragment.depth = mix(s.start_depth, s.end_depth, part);
-    fragment.opacity = drawing.opacity * fragment.coverage;
-    fragment.point = drawing.point_base + index;
     return fragment;
 }

@@ -20,7 +20,7 @@ fn ribbon_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
     let overhang = segment_overhang(s, plane, select(s.starts, s.ends, at_end), reach) + 0.01;
     let side = select(-reach, reach, (vertex & 1u) == 1u);
     let corner = select(s.start - overhang * s.tangent, s.end + overhang * s.tangent, at_end) + side * s.normal;
-    let ndc = vec2f(2.0, -2.0) * corner / drawing.viewport + vec2f(-1.0, 1.0);
+    let ndc = vec2f(2.0, -2.0) * corner / segment_viewport() + vec2f(-1.0, 1.0);
     out.position = vec4f(ndc, 0.5, 1.0);
     return out;
 }
@@ -29,8 +29,8 @@ fn ribbon_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
 fn ribbon_fragment(in: RibbonVertex) -> @location(0) vec4f {
     if emit_begin() {
         let s = segment(in.index);
-        let fragment = segment_fragment(s, in.index, floor(in.position.xy) + 0.5);
-        if fragment.coverage > 0.0 { emit(vec2u(in.position.xy), fragment); }
+        let fragment = segment_fragment(s, floor(in.position.xy) + 0.5, segment_near_end(s));
+        if fragment.touched { emit(vec2u(in.position.xy), fragment, !segment_in_front); }
         emit_end();
     }
     return vec4f(0.0);

@@ -3,10 +3,23 @@
 
 @compute @workgroup_size(64)
 fn walk(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let index = invocation.x + invocation.y * groups.x * 64u;
-    if index >= drawing.point_count || !emit_begin() { return; }
+    let number = invocation.x + invocation.y * groups.x * 64u;
+    if number >= drawing.segment_count || !emit_begin() { return; }
+    let index = segments[number];
     let s = segment(index);
     if !s.valid { return; }
+    // Three copies, so that most segments pay neither for ends nor for a comparison with the host's depth.
+    if segment_near_end(s) {
+        walk_pixels(s, invocation.z, true, true);
+    } else if EMIT_COMPARES && !segment_in_front {
+        walk_pixels(s, invocation.z, false, true);
+    } else {
+        walk_pixels(s, invocation.z, false, false);
+    }
+    emit_end();
+}
+
+fn walk_pixels(s: Segment, split: u32, near_end: bool, compare: bool) {
     let reach = segment_reach(s);
     let a = s.start - s.tangent * segment_overhang(s, s.start_plane, s.starts, reach);
     let b = s.end + s.tangent * segment_overhang(s, s.end_plane, s.ends, reach);
@@ -15,8 +28,9 @@ fn walk(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroup
     let steep = abs(s.tangent.y) > abs(s.tangent.x);
     let tangent = select(s.tangent.xy, s.tangent.yx, steep);
     let start = select(s.start.xy, s.start.yx, steep);
-    let rows = vec2f(f32(drawing.row_first), f32(drawing.row_end));
-    let columns = vec2f(0.0, drawing.viewport.x);
+    let down = DOWNSCALE;
+    let rows = vec2f(f32(drawing.row_first / down), f32((drawing.row_end + down - 1u) / down));
+    let columns = vec2f(0.0, segment_viewport().x);
     let major_bounds = select(columns, rows, steep);
     let minor_bounds = select(rows, columns, steep);
     let major_a = select(a.x, a.y, steep);
@@ -28,7 +42,7 @@ fn walk(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroup
     let extent = reach / abs(tangent.x);
 
     let stride = i32(drawing.splits);
-    for (var major = first + i32(invocation.z); major <= last; major += stride) {
+    for (var major = first + i32(split); major <= last; major += stride) {
         let major_centre = f32(major) + 0.5;
         let middle = start.y + (major_centre - start.x) * slope;
         let minor_first = i32(max(ceil(middle - extent - 0.5), minor_bounds.x));
@@ -36,9 +50,8 @@ fn walk(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroup
         for (var minor = minor_first; minor <= minor_last; minor++) {
             let coordinates = vec2f(major_centre, f32(minor) + 0.5);
             let centre = select(coordinates.xy, coordinates.yx, steep);
-            let fragment = segment_fragment(s, index, centre);
-            if fragment.coverage > 0.0 { emit(vec2u(centre), fragment); }
+            let fragment = segment_fragment(s, centre, near_end);
+            if fragment.touched { emit(vec2u(centre), fragment, compare); }
         }
     }
-    emit_end();
 }

@@ -14,7 +14,14 @@ struct Fibre {
 @group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
 // Linear RGB, 16-bit floats.
 @group(1) @binding(2) var<storage, read> strand_colours: array<vec2u>;
-@group(1) @binding(3) var<storage, read_write> shaded: array<vec2u>;
+@group(1) @binding(3) var<storage, read> projected: array<Projected>;
+@group(1) @binding(4) var<storage, read_write> shaded: array<vec2u>;
+
+// Whether one of the point's two segments may be drawn.
+fn points_seen(index: u32) -> bool {
+    if (projected[index].flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) == 0u { return true; }
+    return (projected[max(index, 1u) - 1u].flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) == 0u;
+}
 
 fn points_relative(index: u32) -> vec3f {
     return (drawing.relative_from_object * vec4f(points[index].position, 1.0)).xyz;
@@ -32,7 +39,7 @@ fn points_tangent(index: u32, strand: u32) -> vec3f {
 @compute @workgroup_size(64)
 fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = invocation.x + invocation.y * groups.x * 64u;
-    if index >= drawing.point_count { return; }
+    if index >= drawing.point_count || !points_seen(index) { return; }
     let strand = attributes[index].strand;
     let position = points_relative(index);
     let colour = strand_colours[strand & POINT_STRAND];

@@ -10,8 +10,11 @@ struct ShadowSample {
 }
 
 // Optical depth in front of a depth, in one texel.
-fn deep_opacity_map_depth(texel: u32, map: u32, light: u32, depth: f32) -> f32 {
-    let front = deep_opacity_front(shadow_maps[frame.shadow_views[map].front_base + texel]);
+fn deep_opacity_map_depth(place: vec2u, map: u32, light: u32, depth: f32) -> f32 {
+    let resolution = frame.lights[light].resolution;
+    let texel = place.y * resolution + place.x;
+    let front_place = frame.shadow_views[map].front_base + deep_opacity_front_place(place, resolution);
+    let front = deep_opacity_front(shadow_maps[front_place]);
     let count = frame.lights[light].layer_count;
     let behind = (depth - front) / frame.lights[light].layer_extent;
     if !(behind > 0.0) { return 0.0; }
@@ -59,7 +62,7 @@ fn shadow_filtered(position: vec3f, light: u32, width: i32) -> ShadowSample {
             let weight = weight_y * select(select(1.0, offset.x, x == width), 1.0 - offset.x, x == 0);
             var sum = 0.0;
             if row >= 0 && row < resolution && column >= 0 && column < resolution {
-                sum = deep_opacity_map_depth(u32(row * resolution + column), map, light, depth);
+                sum = deep_opacity_map_depth(vec2u(vec2i(column, row)), map, light, depth);
             }
             transmittance += weight * exp(-sum);
             fibres += weight * sum;

@@ -13,6 +13,15 @@ fn deep_opacity_layer(depth: f32, count: u32) -> u32 {
     return min(u32(x * f32(count)), count - 1u);
 }
 
+// Texels a side that share one front: the layers of neighbouring texels then begin together, and fronts cost a third.
+const DEEP_OPACITY_FRONT: u32 = 2u;
+
+// Where a texel's front lies among a map's fronts.
+fn deep_opacity_front_place(texel: vec2u, resolution: u32) -> u32 {
+    let width = (resolution + DEEP_OPACITY_FRONT - 1u) / DEEP_OPACITY_FRONT;
+    return (texel.y / DEEP_OPACITY_FRONT) * width + texel.x / DEEP_OPACITY_FRONT;
+}
+
 // The bits of a positive float order like the float; kept as a distance from the largest one, so that a cleared word
 // is the farthest front and the nearest fragment the maximum.
 const DEEP_OPACITY_FARTHEST: u32 = 0x7f7fffffu;

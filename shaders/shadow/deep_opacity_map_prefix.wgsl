@@ -5,9 +5,11 @@
 @compute @workgroup_size(64)
 fn deep_opacity_map_prefix(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let texel = invocation.x + invocation.y * groups.x * 64u;
-    if texel >= u32(drawing.viewport.x) * u32(drawing.viewport.y) { return; }
+    let width = u32(drawing.viewport.x);
+    if texel >= width * u32(drawing.viewport.y) { return; }
     // Texels without hair, most of a map, are left as they are.
-    if layers[drawing.front_base + texel] == 0u { return; }
+    let front = deep_opacity_front_place(vec2u(texel % width, texel / width), width);
+    if layers[drawing.front_base + front] == 0u { return; }
     let first = drawing.layer_base + texel * drawing.layer_count;
     var sum = 0u;
     for (var layer = 0u; layer < drawing.layer_count; layer++) {

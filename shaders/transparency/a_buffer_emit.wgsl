@@ -8,10 +8,10 @@
 // by RANGE and a few rounds of HISTOGRAM, the depth up to which the nearest fragments fill it.
 
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
-// Counted: fragments of a pixel still to be stored. Lists: head of a pixel's list, 0 = none, else node + 1.
+// Counted: fragments of a pixel. Lists: head of a pixel's list, 0 = none, else node + 1.
 @group(3) @binding(1) var<storage, read_write> fill: array<atomic<u32>>;
-// Counted: first place of a pixel. Lists: next node, as in `fill`.
-@group(3) @binding(2) var<storage, read_write> links: array<u32>;
+// Counted: first place of a pixel, counted up to its end as fragments are stored. Lists: next node, as in `fill`.
+@group(3) @binding(2) var<storage, read_write> links: array<atomic<u32>>;
 // A fragment is three words side by side: key, point, and opacity with place. The pool has three parts, since one binding
 // may be too small for it.
 @group(3) @binding(3) var<storage, read_write> fragments_0: array<u32>;
@@ -28,11 +28,15 @@ const STAGE_SCATTER_OVERFLOW: u32 = 4u;
 const STAGE_LIST: u32 = 5u;
 
 var<private> a_buffer_culled: u32;
-var<private> a_buffer_mismatched: u32;
+var<private> a_buffer_capacity: u32;
+var<private> a_buffer_part: u32;
 
 fn emit_begin() -> bool {
+    pixels_begin();
+    emit_host_depth = (drawing.flags & DRAWING_HOST_DEPTH) != 0u;
     a_buffer_culled = 0u;
-    a_buffer_mismatched = 0u;
+    a_buffer_capacity = frame.capacity;
+    a_buffer_part = frame.part_capacity;
     if STAGE == STAGE_COUNT || STAGE == STAGE_LIST { return true; }
     return (atomicLoad(&counters.overflow) != 0u) != (STAGE == STAGE_SCATTER);
 }
@@ -41,12 +45,12 @@ fn emit_end() {
     if (STAGE == STAGE_COUNT || STAGE == STAGE_LIST) && a_buffer_culled > 0u {
         atomicAdd(&counters.culled, a_buffer_culled);
     }
-    if a_buffer_mismatched > 0u { atomicAdd(&counters.mismatched, a_buffer_mismatched); }
 }
 
 fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
-    let value = pack2x16float(vec2f(fragment.opacity, fragment.along));
-    let part = frame.part_capacity;
+    // The root keeps thin fibres' small opacities apart: 0.05 % at 0.001. Both values are within 0 and 1.
+    let value = u32(sqrt(fragment.opacity) * 65535.0 + 0.5) | (u32(fragment.along * 65535.0 + 0.5) << 16u);
+    let part = a_buffer_part;
     if PARTS == 1u || place < part {
         fragments_0[place * 3u] = key;
         fragments_0[place * 3u + 1u] = fragment.point;
@@ -83,10 +87,10 @@ fn a_buffer_merge(pixel: u32, fragment: Fragment) {
     a_buffer_tail_add(pixel, TAIL_COLOUR + 2u, steps.z);
 }
 
-fn emit(pixel: vec2u, fragment: Fragment) {
+fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     if !fragment_in_range(fragment) { return; }
     let key = depth_key(fragment.depth);
-    if fragment_hidden(pixel, key) {
+    if fragment_hidden(pixel, key, compare) {
         a_buffer_culled += 1u;
         return;
     }
@@ -110,20 +114,16 @@ fn emit(pixel: vec2u, fragment: Fragment) {
                 return;
             }
         }
-        // The count and this pass evaluate the same expressions; should they differ all the same, nothing else suffers.
-        let left = atomicSub(&fill[number], 1u);
-        let place = links[number] + left - 1u;
-        // Counted here and added at the end: some drivers run both sides of a branch, and an atomic is dear.
-        let fits = left != 0u && left <= 0x7fffffffu && place < frame.capacity;
-        a_buffer_mismatched += select(1u, 0u, fits);
-        if fits { a_buffer_store(place, key, fragment); }
-    } else {
+        // The count and this pass evaluate the same expressions; should they differ all the same, the pool's end holds.
+        let place = atomicAdd(&links[number], 1u);
+        if place < a_buffer_capacity { a_buffer_store(place, key, fragment); }
+    } else if fragment.opacity > 0.0 {
         let node = atomicAdd(&counters.stored, 1u);
-        if node >= frame.capacity {
+        if node >= a_buffer_capacity {
             a_buffer_merge(number, fragment);
             return;
         }
         a_buffer_store(node, key, fragment);
-        links[node] = atomicExchange(&fill[number], node + 1u);
+        atomicStore(&links[node], atomicExchange(&fill[number], node + 1u));
     }
 }

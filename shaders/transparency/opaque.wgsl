@@ -14,6 +14,7 @@ struct Resolved {
 }
 
 fn resolve(pixel: vec2u) -> Resolved {
+    pixels_begin();
     let number = pixel_number(pixel);
     if fill[number] == 0u { return Resolved(vec4f(0.0), 0xffffffffu); }
     let winner = 0xffffffffu - links[number];

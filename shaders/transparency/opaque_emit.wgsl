@@ -18,6 +18,8 @@ var<private> opaque_culled: u32;
 fn emit_begin() -> bool {
     opaque_produced = 0u;
     opaque_culled = 0u;
+    pixels_begin();
+    emit_host_depth = (drawing.flags & DRAWING_HOST_DEPTH) != 0u;
     return true;
 }
 
@@ -26,11 +28,11 @@ fn emit_end() {
     if opaque_culled > 0u { atomicAdd(&counters.culled, opaque_culled); }
 }
 
-fn emit(pixel: vec2u, fragment: Fragment) {
-    if !fragment_in_range(fragment) { return; }
+fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
+    if !fragment_in_range(fragment) || fragment.opacity == 0.0 { return; }
     let key = depth_key(fragment.depth);
     let number = pixel_number(pixel);
-    if fragment_hidden(pixel, key) {
+    if fragment_hidden(pixel, key, compare) {
         if STAGE == STAGE_NEAREST { opaque_culled += 1u; }
         return;
     }

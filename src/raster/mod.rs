@@ -56,8 +56,10 @@ pub(crate) struct Emission {
     pub files: &'static [&'static str],
     /// The bind group that they write.
     pub group: Group,
-    /// Coverage is not asked for, only whether a fibre may touch a pixel.
+    /// Coverage is not asked for, only whether a fibre touches a pixel.
     pub touch_only: bool,
+    /// Pixels of the projection a side of one pixel that is drawn.
+    pub downscale: u32,
 }
 
 impl Emission {
@@ -66,6 +68,7 @@ impl Emission {
             .with("STAGE", Constant::U32(self.stage))
             .with("PARTS", Constant::U32(parts))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
+            .with("DOWNSCALE", Constant::U32(self.downscale))
             .and(self.files)
             .and(&[rasteriser])
     }

@@ -61,8 +61,10 @@ pub(super) fn record(
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        pass.set_viewport(0.0, 0.0, draw.size[0] as f32, draw.size[1] as f32, 0.0, 1.0);
-        pass.set_scissor_rect(0, draw.rows[0], draw.size[0], draw.rows[1]);
+        let down = |pixels: u32| pixels.div_ceil(emission.downscale);
+        let [width, height] = draw.size.map(down);
+        pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
+        pass.set_scissor_rect(0, draw.rows[0], width, down(draw.rows[1]));
         pass.set_pipeline(&pipeline);
         let (index, group) = bound.emission(emission.group);
         pass.set_bind_group(index, group, &[]);

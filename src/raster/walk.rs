@@ -33,7 +33,7 @@ pub(super) fn record(
             if draw.on_overflow {
                 pass.dispatch_workgroups_indirect(bound.arguments, super::WALK_ARGUMENTS);
             } else {
-                let (x, y) = workgroups(run.run.count);
+                let (x, y) = workgroups(run.run.segments);
                 pass.dispatch_workgroups(x, y, draw.splits);
             }
         }

@@ -11,6 +11,9 @@ use crate::shader::Module;
 /// The files of the look-up.
 pub(crate) const LOOK_UP: &[&str] = &["shadow/deep_opacity_map_common", "shadow/deep_opacity_map"];
 
+/// Texels a side that share one front: `DEEP_OPACITY_FRONT` in WGSL.
+pub(crate) const FRONT_BLOCK: u32 = 2;
+
 const FRONT: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.front",
     stage: 0,
@@ -20,11 +23,13 @@ const FRONT: Emission = Emission {
     ],
     group: Group::MapsWritten,
     touch_only: true,
+    downscale: FRONT_BLOCK,
 };
 const LAYERS: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.layers",
     stage: 1,
     touch_only: false,
+    downscale: 1,
     ..FRONT
 };
 
@@ -112,7 +117,12 @@ pub(crate) fn record(
         PipelineKey::new(label),
         "deep_opacity_map_prefix",
         &groups,
-        || Module::new(&["shadow/deep_opacity_map_prefix"]),
+        || {
+            Module::new(&[
+                "shadow/deep_opacity_map_common",
+                "shadow/deep_opacity_map_prefix",
+            ])
+        },
     )?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);

@@ -19,7 +19,8 @@ const COUNT: Emission = Emission {
         "transparency/a_buffer_emit",
     ],
     group: Group::PixelsWritten,
-    touch_only: false,
+    touch_only: true,
+    downscale: 1,
 };
 const RANGE: Emission = Emission {
     label: "pelage.transparency.a_buffer.overflow_range",
@@ -34,16 +35,19 @@ const HISTOGRAM: Emission = Emission {
 const SCATTER: Emission = Emission {
     label: "pelage.transparency.a_buffer.scatter",
     stage: 3,
+    touch_only: false,
     ..COUNT
 };
 const SCATTER_OVERFLOW: Emission = Emission {
     label: "pelage.transparency.a_buffer.overflow_scatter",
     stage: 4,
+    touch_only: false,
     ..COUNT
 };
 const LIST: Emission = Emission {
     label: "pelage.transparency.a_buffer.list",
     stage: 5,
+    touch_only: false,
     ..COUNT
 };
 
