@@ -18,18 +18,20 @@ pub(crate) enum Group {
     Project,
     Segments,
     Shade,
+    TablesWritten,
     MapsWritten,
     MapsRead,
     PixelsWritten,
     PixelsRead,
 }
 
-const GROUPS: [Group; 9] = [
+const GROUPS: [Group; 10] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
     Group::Segments,
     Group::Shade,
+    Group::TablesWritten,
     Group::MapsWritten,
     Group::MapsRead,
     Group::PixelsWritten,
@@ -43,7 +45,11 @@ impl Group {
     fn index(self) -> usize {
         match self {
             Self::Frame => 0,
-            Self::HostTiles | Self::Project | Self::Segments | Self::Shade => 1,
+            Self::HostTiles
+            | Self::Project
+            | Self::Segments
+            | Self::Shade
+            | Self::TablesWritten => 1,
             Self::MapsWritten | Self::MapsRead => 2,
             Self::PixelsWritten | Self::PixelsRead => 3,
         }
@@ -93,9 +99,10 @@ impl Group {
             Self::Segments => (0..2)
                 .map(|binding| storage(binding, raster | Stages::VERTEX, true))
                 .collect(),
-            Self::Shade => (0..5)
-                .map(|binding| storage(binding, Stages::COMPUTE, binding < 4))
+            Self::Shade => (0..6)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding != 4))
                 .collect(),
+            Self::TablesWritten => vec![storage(0, Stages::COMPUTE, false)],
             Self::MapsWritten => vec![storage(0, raster, false)],
             Self::MapsRead => vec![storage(0, raster, true)],
             Self::PixelsWritten => (0..PIXEL_BUFFERS)
