@@ -33,12 +33,18 @@ fn fibre_pair(tangent: vec3f, wi: vec3f, wo: vec3f) -> FibrePair {
     var pair: FibrePair;
     pair.cos_i = length(across_i);
     pair.cos_o = length(across_o);
-    let size = pair.cos_i * pair.cos_o;
     pair.theta_i = fibre_atan2(dot(tangent, wi), pair.cos_i);
     pair.theta_o = fibre_atan2(dot(tangent, wo), pair.cos_o);
-    pair.phi = 0.0;
-    if size > 0.0 { pair.phi = fibre_atan2(length(cross(across_i / pair.cos_i, across_o / pair.cos_o)), dot(across_i, across_o) / size); }
+    let unit_i = fibre_unit_across(tangent, across_i, pair.cos_i);
+    let unit_o = fibre_unit_across(tangent, across_o, pair.cos_o);
+    pair.phi = fibre_atan2(length(cross(unit_i, unit_o)), dot(unit_i, unit_o));
     return pair;
+}
+
+// A unit vector across the fibre; a fixed one where the direction lies along the tangent and has no azimuth.
+fn fibre_unit_across(tangent: vec3f, across: vec3f, size: f32) -> vec3f {
+    if size > 1e-7 { return across / size; }
+    return normalize(cross(tangent, select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), abs(tangent.y) > 0.7)));
 }
 
 // Some drivers' own arc functions err by 1e-4. Minimax of atan(x)/x on [0, tan π/8] after two reductions: 2e-7.
