@@ -677,10 +677,7 @@ impl Resources {
             frame_without_depth: slot.frame_without_depth.as_ref()?,
             runs: &groups.runs,
             host_tiles: &groups.host_tiles,
-            tables: groups
-                .tables_written
-                .as_ref()
-                .filter(|_| slot.fills > 0),
+            tables: groups.tables_written.as_ref().filter(|_| slot.fills > 0),
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
             pixels_written: &groups.pixels_written,

@@ -6,8 +6,8 @@
 
 use glam::Vec3;
 use pelage::shading::{
-    Chiang, DualScattering, Highlight, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann,
-    Shading, Tables,
+    Chiang, DualScattering, Highlight, KajiyaKay, Marschner, Precision, Roots, Sadeghi,
+    Scheuermann, Shading, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
@@ -35,7 +35,13 @@ pub struct Group {
 pub const SHADING: Group = Group {
     name: "shading",
     selector: "model",
-    stems: &["kajiya_kay", "scheuermann", "marschner", "sadeghi", "chiang"],
+    stems: &[
+        "kajiya_kay",
+        "scheuermann",
+        "marschner",
+        "sadeghi",
+        "chiang",
+    ],
     default: "kajiya_kay",
 };
 /// The shadow technique.
@@ -410,8 +416,14 @@ pub fn shading(map: &Map<String, Value>, fibre: &Fibre) -> Result<Shading> {
         "marschner" => {
             let keys: MarschnerKeys = SHADING.settings(stem, map)?;
             let mut model = Marschner::of_fibre(&optics(fibre));
-            set(&mut model.alpha, keys.alpha_deg.map(|a| a.map(f32::to_radians)));
-            set(&mut model.beta, keys.beta_deg.map(|b| b.map(f32::to_radians)));
+            set(
+                &mut model.alpha,
+                keys.alpha_deg.map(|a| a.map(f32::to_radians)),
+            );
+            set(
+                &mut model.beta,
+                keys.beta_deg.map(|b| b.map(f32::to_radians)),
+            );
             set(&mut model.eccentricity, keys.eccentricity);
             if keys.cubic == Some(true) {
                 model.roots = Roots::Cubic;
@@ -560,9 +572,10 @@ fn tables_settings(tables: Option<Tables>) -> Value {
 }
 
 fn dual_settings(dual: Option<DualScattering>) -> Value {
-    dual.map_or(false.into(), |dual| {
-        json!({ "forward": number(dual.forward), "backward": number(dual.backward) })
-    })
+    dual.map_or(
+        false.into(),
+        |dual| json!({ "forward": number(dual.forward), "backward": number(dual.backward) }),
+    )
 }
 
 /// A shadow technique as its group of a scene file.

@@ -299,7 +299,7 @@ fn fibre_look_up(theta: f32, phi: f32, table: u32) -> FibreLobes {
 // Functions of one inclination, from the host: rows of θ from -π/2 to π/2.
 const FIBRE_ANGLES: u32 = 128u;
 const FIBRE_ANGLE_WORDS: u32 = 24u;
-// The integral over all lights; the part of the light that is scattered (Sadeghi); ā_f; β̄_f²; Ā_b; Δ̄_b; σ̄_b.
+// The integral over all lights; the part of the light that is scattered (Sadeghi); ã_f = 1 - √((1-ā_f)² - ā_b²); β̄_f²; Ā_b; Δ̄_b; σ̄_b.
 const FIBRE_UNIFORM: u32 = 0u;
 const FIBRE_ALBEDO: u32 = 3u;
 const FIBRE_A_F: u32 = 6u;
@@ -330,7 +330,7 @@ struct FibreForward {
 }
 
 // Light that has met fibres on its way: the number met is Poisson's of mean n, so e^-n comes straight and
-// d_f Σ_k>0 P(k) ā_fᵏ = d_f (e^(-n(1-ā_f)) - e^-n) through fibres, on average n ā_f / (1 - e^(-n ā_f)) of them.
+// d_f Σ_k>0 P(k) ã_fᵏ = d_f (e^(-n(1-ã_f)) - e^-n) through fibres, on average n ã_f / (1 - e^(-n ã_f)) of them.
 fn fibre_forward(theta_i: f32, fibres: f32) -> FibreForward {
     let a_f = fibre_angle(theta_i, FIBRE_A_F);
     let met = max(fibres, 0.0) * a_f;

@@ -101,12 +101,7 @@ fn marschner_tt(cylinder: FibreCylinder, phi: f32) -> vec3f {
     let inverse = cylinder.inverse_eta_prime;
     if marschner_cubic() {
         let e = MarschnerExit(1.0, inverse, fibre_asin(inverse), true);
-        // φ falls from 2π - c' at γ = -½π to c'; the sum over both signs of γ is the sum over ±φ.
-        let start = marschner_exit_value(e, -FIBRE_HALF_PI);
-        let end = marschner_exit_value(e, FIBRE_HALF_PI);
-        if !((phi - start) * (phi - end) < 0.0) { return vec3f(0.0); }
-        let gamma = marschner_root(e, -FIBRE_HALF_PI, FIBRE_HALF_PI, phi);
-        return marschner_of_root(cylinder, marschner_exit_slope(e, gamma), sin(gamma), max(cos(gamma), 0.0)).tt;
+        return marschner_sum(cylinder, e, marschner_turning_point(e), phi).tt;
     }
     // γ_i - γ_t = δ: tan γ_i = sin δ / (cos δ - 1/η'), with cos δ - 1/η' = (1 - 1/η') - 2 sin²(δ/2).
     let delta = 0.5 * (FIBRE_PI - phi);
@@ -127,26 +122,7 @@ fn marschner_tt(cylinder: FibreCylinder, phi: f32) -> vec3f {
 fn marschner_trt(cylinder: FibreCylinder, phi: f32) -> vec3f {
     let e = MarschnerExit(2.0, cylinder.inverse_eta_prime, fibre_asin(cylinder.inverse_eta_prime), marschner_cubic());
     let turn = marschner_turning_point(e);
-    var ends = array<f32, 4>(-FIBRE_HALF_PI, -turn, turn, FIBRE_HALF_PI);
-    var pieces = 3u;
-    if turn < 0.0 {
-        ends[1] = FIBRE_HALF_PI;
-        pieces = 1u;
-    }
-    var n = vec3f(0.0);
-    for (var piece = 0u; piece < pieces; piece++) {
-        let a = marschner_exit_value(e, ends[piece]);
-        let b = marschner_exit_value(e, ends[piece + 1u]);
-        // One root for each multiple of 2π in the range: never more than two.
-        let first = ceil((min(a, b) - phi) / FIBRE_TAU);
-        let last = floor((max(a, b) - phi) / FIBRE_TAU);
-        for (var k = 0u; k < 3u; k++) {
-            let turns = first + f32(k);
-            if turns > last { break; }
-            let gamma = marschner_root(e, ends[piece], ends[piece + 1u], phi + FIBRE_TAU * turns);
-            n += marschner_of_root(cylinder, marschner_exit_slope(e, gamma), sin(gamma), max(cos(gamma), 0.0)).trt;
-        }
-    }
+    let n = marschner_sum(cylinder, e, turn, phi).trt;
     if !marschner_removes_caustic() { return n; }
 
     let caustic = marschner_caustic();
@@ -169,6 +145,33 @@ fn marschner_trt(cylinder: FibreCylinder, phi: f32) -> vec3f {
     let a_c = fibre_attenuations(cylinder, marschner_sigma_a(), sin(gamma_c), cos(gamma_c)).trt;
     // Where the true N has no limit the factor before it goes to 0 faster.
     return n * ((1.0 - t * ahead) * (1.0 - t * behind)) + a_c * (t * caustic.y * delta_h * glints);
+}
+
+// Σ over all roots, with caustics.
+fn marschner_sum(cylinder: FibreCylinder, e: MarschnerExit, turn: f32, phi: f32) -> FibreLobes {
+    var ends = array<f32, 4>(-FIBRE_HALF_PI, -turn, turn, FIBRE_HALF_PI);
+    var pieces = 3u;
+    if turn < 0.0 {
+        ends[1] = FIBRE_HALF_PI;
+        pieces = 1u;
+    }
+    var n: FibreLobes;
+    for (var piece = 0u; piece < pieces; piece++) {
+        let a = marschner_exit_value(e, ends[piece]);
+        let b = marschner_exit_value(e, ends[piece + 1u]);
+        // One root for each multiple of 2π in the range: never more than two.
+        let first = ceil((min(a, b) - phi) / FIBRE_TAU);
+        let last = floor((max(a, b) - phi) / FIBRE_TAU);
+        for (var k = 0u; k < 3u; k++) {
+            let turns = first + f32(k);
+            if turns > last { break; }
+            let gamma = marschner_root(e, ends[piece], ends[piece + 1u], phi + FIBRE_TAU * turns);
+            let one = marschner_of_root(cylinder, marschner_exit_slope(e, gamma), sin(gamma), max(cos(gamma), 0.0));
+            n.tt += one.tt;
+            n.trt += one.trt;
+        }
+    }
+    return n;
 }
 
 // η*(φ_h) of a section whose axis along φ = 0 is `a` times the other (Hunz eq. 58, 59, corrected).

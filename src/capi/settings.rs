@@ -3,11 +3,10 @@
 use std::ptr::null;
 
 use super::descriptor::{self, descriptor};
-use crate::error::{Result, invalid};
-use crate::raster::Raster;
 use super::error::{PelageResult, guard};
 use super::input::{fill, outputs, reserved, slice};
-use glam::Vec3;
+use crate::error::{Result, invalid};
+use crate::raster::Raster;
 use crate::shading::{
     CausticRemoval, Chiang, DualScattering, HairColour, Highlight, KajiyaKay, LobeControls,
     Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables, sigma_a_from_melanin,
@@ -15,6 +14,7 @@ use crate::shading::{
 };
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::{ABuffer, Opaque, Storage, Transparency};
+use glam::Vec3;
 
 /// Kajiya and Kay 1989.
 pub const PELAGE_SHADING_KAJIYA_KAY: u32 = 0;
@@ -689,7 +689,10 @@ pub unsafe extern "C" fn pelage_sigma_a_from_melanin(
     guard(|| {
         // SAFETY: the rule of the module `capi`.
         let sigma_a = unsafe { outputs("sigma_a", sigma_a, 3) }?;
-        fill(sigma_a, sigma_a_from_melanin(eumelanin, pheomelanin)?.to_array());
+        fill(
+            sigma_a,
+            sigma_a_from_melanin(eumelanin, pheomelanin)?.to_array(),
+        );
         Ok(())
     })
 }

@@ -215,8 +215,12 @@ impl Around {
             add(2, phi, step * (0.5 * phi).cos());
         }
         // Gaussians over the part of their reach that lies in [0, π].
-        for (p, centre, width, height) in [(1, PI, tt_width, 1.0), (2, middle, glint_width, glint)] {
-            let (low, high) = ((centre - 9.0 * width).max(0.0), (centre + 9.0 * width).min(PI));
+        for (p, centre, width, height) in [(1, PI, tt_width, 1.0), (2, middle, glint_width, glint)]
+        {
+            let (low, high) = (
+                (centre - 9.0 * width).max(0.0),
+                (centre + 9.0 * width).min(PI),
+            );
             let step = (high - low) / AZIMUTHS as f64;
             for i in 0..AZIMUTHS {
                 let phi = low + step * (i as f64 + 0.5);
@@ -286,7 +290,7 @@ impl Averaged {
         sum
     }
 
-    /// ā_f, β̄_f², Ā_b, Δ̄_b, σ̄_b at a light's inclination.
+    /// ã_f, β̄_f², Ā_b, Δ̄_b, σ̄_b at a light's inclination; see [`DualScattering`].
     fn dual(
         &self,
         theta_i: f64,
@@ -314,7 +318,11 @@ impl Averaged {
         let excess = (sums[0][0] + sums[1][0]).max(DVec3::ONE);
         let mean = |sum: DVec3, parts: DVec3| {
             DVec3::from_array(std::array::from_fn(|c| {
-                if parts[c] > 0.0 { sum[c] / parts[c] } else { 0.0 }
+                if parts[c] > 0.0 {
+                    sum[c] / parts[c]
+                } else {
+                    0.0
+                }
             }))
         };
         let [a_f, a_b] = [0, 1].map(|half| sums[half][0] / excess);
@@ -333,7 +341,10 @@ impl Averaged {
         let thrice = (2.0 * f2 + 3.0 * b2).map(f64::sqrt);
         let spread = (once + a_b2 * thrice) / (DVec3::ONE + a_b2);
         let sigma = (DVec3::ONE + backward_density * a_f2) * spread;
-        [a_f, f2, back, delta, sigma]
+        // Two streams that feed each other: I' = -(1 - ā_f) I + ā_b J, -J' = -(1 - ā_f) J + ā_b I. Both fall by this a fibre.
+        let lost = DVec3::ONE - a_f;
+        let decay = (lost * lost - a_b * a_b).max(DVec3::ZERO).map(f64::sqrt);
+        [DVec3::ONE - decay, f2, back, delta, sigma]
     }
 
     /// The table: rows of θ from -π/2 to π/2 of seven colours; the averages of dual scattering only where it is given.

@@ -8,11 +8,14 @@ use crate::error::{Result, invalid};
 /// fibres between light and eye, a part comes back from those around. Takes the number of fibres towards the light from
 /// the light's shadow technique; without shadows only the part from around is added.
 ///
-/// The number met is taken as Poisson's with the technique's sum of coverage n as its mean: `e⁻ⁿ` comes straight, and
-/// `d_f (e^(-n(1-ā_f)) - e⁻ⁿ)` through fibres.
+/// Two things differ from the papers, where these are further from others' pictures of the same hair. The number of fibres met is
+/// taken as Poisson's with the technique's sum of coverage n as its mean: `e⁻ⁿ` comes straight, and `d_f (e^(-n(1-ã_f)) - e⁻ⁿ)`
+/// through fibres. And ã_f is not ā_f but `1 - √((1-ā_f)² - ā_b²)`: light that turns twice goes on, too (Kubelka and Munk's two
+/// streams).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DualScattering {
-    /// d_f, from 0 to 1: how much of the space around a lit fibre is hair. The paper's 0.7 fits 0.6 to 0.8.
+    /// d_f, from 0 to 1: how much of the space around a lit fibre is hair. The papers have 0.7 and say that 0.6 to 0.8 fits;
+    /// here the number of fibres met is random already, and 1 is nearer to traced hair.
     pub forward: f32,
     /// d_b, from 0 to 1; likewise for light that comes back.
     pub backward: f32,
@@ -21,8 +24,8 @@ pub struct DualScattering {
 impl Default for DualScattering {
     fn default() -> Self {
         Self {
-            forward: 0.7,
-            backward: 0.7,
+            forward: 1.0,
+            backward: 1.0,
         }
     }
 }

@@ -8,10 +8,8 @@ use crate::error::{Result, invalid};
 use crate::layout::Material;
 
 /// The label of the pass that shades points, and the model's shader.
-pub(crate) const POINTS: (&str, &[&str]) = (
-    "pelage.shading.kajiya_kay.points",
-    &["shading/kajiya_kay"],
-);
+pub(crate) const POINTS: (&str, &[&str]) =
+    ("pelage.shading.kajiya_kay.points", &["shading/kajiya_kay"]);
 /// The largest exponent; beyond it the lobe is narrower than an f32 direction can tell.
 pub const MAX_EXPONENT: f32 = 1e5;
 

@@ -200,12 +200,7 @@ impl Marschner {
                 beta,
                 unit_height: false,
             },
-            around: Around::of_cylinder(
-                f64::from(self.eta),
-                self.sigma_a.as_dvec3(),
-                0.0,
-                false,
-            ),
+            around: Around::of_cylinder(f64::from(self.eta), self.sigma_a.as_dvec3(), 0.0, false),
             scale: [DVec3::ONE; 4],
             normalised: false,
         }

@@ -86,13 +86,9 @@ impl Sadeghi {
             dual_scattering: optics.dual_scattering,
             ..Self::default()
         };
-        let energies = Around::of_cylinder(
-            f64::from(optics.eta),
-            optics.sigma_a.as_dvec3(),
-            0.0,
-            false,
-        )
-        .energies();
+        let energies =
+            Around::of_cylinder(f64::from(optics.eta), optics.sigma_a.as_dvec3(), 0.0, false)
+                .energies();
         let around = model.averaged().around.energies();
         for (p, lobe) in [&mut model.r, &mut model.tt, &mut model.trt]
             .into_iter()
@@ -128,7 +124,12 @@ impl Sadeghi {
                 lobe.shift,
                 [-FRAC_PI_2, FRAC_PI_2],
             )?;
-            within("sadeghi", &format!("{name}.width"), lobe.width, [1e-5, 10.0])?;
+            within(
+                "sadeghi",
+                &format!("{name}.width"),
+                lobe.width,
+                [1e-5, 10.0],
+            )?;
         }
         within(
             "sadeghi",

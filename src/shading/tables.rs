@@ -101,12 +101,7 @@ pub(crate) fn module(files: &[&'static str]) -> Module {
 }
 
 /// Fills the tables that the GPU makes, where that has not been done.
-pub(crate) fn record(
-    gpu: &mut Gpu,
-    passes: &mut Passes,
-    bound: &Bound,
-    plan: &Plan,
-) -> Result<()> {
+pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
     let Some(group) = bound.tables else {
         return Ok(());
     };

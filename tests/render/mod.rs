@@ -148,7 +148,8 @@ fn every_shading_model_is_read_back_as_it_was() {
     ] {
         let scene = parse(&format!(r#"{{"hair": "x.hair", "shading": {shading}}}"#)).unwrap();
         let settings = techniques::shading_settings(&scene.shading);
-        let again = parse(&serde_json::json!({ "hair": "x.hair", "shading": settings }).to_string());
+        let again =
+            parse(&serde_json::json!({ "hair": "x.hair", "shading": settings }).to_string());
         assert_eq!(
             techniques::shading_settings(&again.unwrap().shading),
             settings
@@ -156,7 +157,10 @@ fn every_shading_model_is_read_back_as_it_was() {
         scene.shading.validate().unwrap();
     }
     let unknown = r#"{"hair": "a.hair", "shading": {"model": "chiang", "beta_m": 0.1}}"#;
-    assert_names(&error(unknown, &[]), &["beta_m", "dual_scattering", "tables"]);
+    assert_names(
+        &error(unknown, &[]),
+        &["beta_m", "dual_scattering", "tables"],
+    );
 }
 
 #[test]

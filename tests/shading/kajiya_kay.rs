@@ -32,8 +32,7 @@ fn evaluate(device: &mut Device, model: &KajiyaKay, cases: &[Case]) -> Vec<[Vec4
             values[2u * i] = vec4f(scatter(fibre, cases[3u * i + 1u].xyz, wo, lit), 0.0);
             values[2u * i + 1u] = vec4f(scatter_uniform(fibre, wo), 0.0);
         }";
-    let source =
-        testing::shading_source(&Shading::KajiyaKay(*model)) + entry;
+    let source = testing::shading_source(&Shading::KajiyaKay(*model)) + entry;
     let input: Vec<[f32; 4]> = cases
         .iter()
         .flatten()

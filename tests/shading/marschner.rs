@@ -37,10 +37,10 @@ pub fn direct() -> Marschner {
     }
 }
 
-/// f32's own rounding: measured 3e-5 and less but for the cases below.
-const USUAL: f64 = 2e-4;
-/// β = 1e-3 in terms of θ_h: an f32 angle of 1.5 is exact to 1.2e-7, of a slope of 1/β.
-const NARROW: f64 = 2e-3;
+/// f32's own rounding: measured 1.2e-5.
+const USUAL: f64 = 3e-5;
+/// β = 1e-3 in terms of θ_h: an f32 angle of 1.5 is exact to 1.2e-7, of a slope of 1/β; measured 4e-7.
+const NARROW: f64 = 1e-4;
 
 #[test]
 fn values_are_the_reference_at_every_angle_and_parameter() {
@@ -57,22 +57,83 @@ fn values_are_the_reference_at_every_angle_and_parameter() {
     let mut wrong = Vec::new();
     for (name, model, tolerance) in [
         ("default", direct(), USUAL),
-        ("white", Marschner { sigma_a: Vec3::ZERO, ..direct() }, USUAL),
-        ("black", Marschner { sigma_a: Vec3::new(5.0, 20.0, 100.0), ..direct() }, USUAL),
-        ("beta 1e-3", Marschner { beta: [1e-3; 3], ..blond }, NARROW),
-        ("beta 1", Marschner { beta: [1.0; 3], ..blond }, USUAL),
-        ("eta 1.0101", Marschner { eta: 1.0101, ..blond }, USUAL),
-        ("eta 1.9999", Marschner { eta: 1.9999, ..blond }, USUAL),
-        ("eta 2.0001", Marschner { eta: 2.0001, ..blond }, USUAL),
+        (
+            "white",
+            Marschner {
+                sigma_a: Vec3::ZERO,
+                ..direct()
+            },
+            USUAL,
+        ),
+        (
+            "black",
+            Marschner {
+                sigma_a: Vec3::new(5.0, 20.0, 100.0),
+                ..direct()
+            },
+            USUAL,
+        ),
+        (
+            "beta 1e-3",
+            Marschner {
+                beta: [1e-3; 3],
+                ..blond
+            },
+            NARROW,
+        ),
+        (
+            "beta 1",
+            Marschner {
+                beta: [1.0; 3],
+                ..blond
+            },
+            USUAL,
+        ),
+        (
+            "eta 1.0101",
+            Marschner {
+                eta: 1.0101,
+                ..blond
+            },
+            USUAL,
+        ),
+        (
+            "eta 1.9999",
+            Marschner {
+                eta: 1.9999,
+                ..blond
+            },
+            USUAL,
+        ),
+        (
+            "eta 2.0001",
+            Marschner {
+                eta: 2.0001,
+                ..blond
+            },
+            USUAL,
+        ),
         ("eta 3", Marschner { eta: 3.0, ..blond }, USUAL),
         ("cubic", cubic, USUAL),
-        ("cubic eta 1.01", Marschner { eta: 1.0101, ..cubic }, USUAL),
+        (
+            "cubic eta 1.01",
+            Marschner {
+                eta: 1.0101,
+                ..cubic
+            },
+            USUAL,
+        ),
         ("cubic eta 3", Marschner { eta: 3.0, ..cubic }, USUAL),
     ] {
         let sums: Vec<f64> = model.alpha.iter().map(|a| 2.0 * f64::from(*a)).collect();
         let cases = hard_cases(&sums);
         let name = format!("marschner {name}");
-        let error = evaluator.worst(&name, &Shading::Marschner(model), &cases, &reference(&model));
+        let error = evaluator.worst(
+            &name,
+            &Shading::Marschner(model),
+            &cases,
+            &reference(&model),
+        );
         if error > tolerance {
             wrong.push(format!("{name}: {error:e}"));
         }
@@ -81,7 +142,8 @@ fn values_are_the_reference_at_every_angle_and_parameter() {
 }
 
 /// With its caustic the true N has no limit: near it an f32 angle decides. Of the peak over angles that avoid it.
-const WITH_CAUSTIC: f64 = 2e-3;
+/// Measured 1.2e-6.
+const WITH_CAUSTIC: f64 = 1e-5;
 
 #[test]
 fn the_caustic_stays_where_it_is_not_to_be_removed() {
@@ -98,9 +160,17 @@ fn the_caustic_stays_where_it_is_not_to_be_removed() {
         .filter(|phi| (phi - phi_c).abs() > 0.05)
         .map(|phi| case(0.2, 0.2, phi))
         .collect();
-    let error = evaluator.worst("marschner with its caustic", &Shading::Marschner(model), &cases, &truth);
+    let error = evaluator.worst(
+        "marschner with its caustic",
+        &Shading::Marschner(model),
+        &cases,
+        &truth,
+    );
     assert!(error <= WITH_CAUSTIC, "{error:e}");
-    let at = evaluator.run(&Shading::Marschner(model), &[case(0.2, 0.2, phi_c - 1e-6), case(0.2, 0.2, phi_c)]);
+    let at = evaluator.run(
+        &Shading::Marschner(model),
+        &[case(0.2, 0.2, phi_c - 1e-6), case(0.2, 0.2, phi_c)],
+    );
     assert!(at.iter().all(|[value, _]| value.is_finite()), "{at:?}");
 }
 
@@ -114,40 +184,62 @@ fn an_elliptic_section_is_its_reference_at_some_azimuth_of_its_axis() {
             ..direct()
         };
         let truth = reference(&model);
-        let cases = hard_cases(&[2.0 * f64::from(model.alpha[2])]);
+        let cases: Vec<_> = hard_cases(&[2.0 * f64::from(model.alpha[2])])
+            .into_iter()
+            .step_by(13)
+            .collect();
         let values = evaluator.run(&Shading::Marschner(model), &cases);
         // Turning the section through half a circle, step by step, must meet all values at the same turn.
         let worst_at = |turn: f64| {
             cases
                 .iter()
                 .zip(&values)
-                .filter(|(case, _)| super::harness::seen(case.wi).theta.abs() < 1.5 && super::harness::seen(case.wo).theta.abs() < 1.5)
+                .filter(|(case, _)| {
+                    super::harness::seen(case.wi).theta.abs() < 1.5
+                        && super::harness::seen(case.wo).theta.abs() < 1.5
+                })
                 .map(|(case, [value, _])| {
                     let turned = |v| {
                         let d = super::harness::seen(v);
                         Direction::new(d.theta, d.phi + turn)
                     };
-                    let expected = pelage_reference::fibre::FibreModel::scatter(&truth, turned(case.wi), turned(case.wo));
+                    let expected = pelage_reference::fibre::FibreModel::scatter(
+                        &truth,
+                        turned(case.wi),
+                        turned(case.wo),
+                    );
                     (*value - expected).abs().max_element()
                 })
                 .fold(0.0, f64::max)
         };
         let coarse = (0..90).map(|i| std::f64::consts::PI * f64::from(i) / 90.0);
-        let best = coarse.min_by(|a, b| worst_at(*a).total_cmp(&worst_at(*b))).unwrap();
+        let best = coarse
+            .min_by(|a, b| worst_at(*a).total_cmp(&worst_at(*b)))
+            .unwrap();
         let fine = (0..81).map(|i| best + (f64::from(i) - 40.0) * 0.001);
         let error = fine.map(worst_at).fold(f64::INFINITY, f64::min);
-        let peak = values.iter().map(|[v, _]| v.max_element()).fold(0.0, f64::max);
-        eprintln!("marschner eccentricity {eccentricity}: {:.2e} of the peak", error / peak);
-        assert!(values.iter().all(|[v, _]| v.is_finite() && v.min_element() >= 0.0));
+        let peak = values
+            .iter()
+            .map(|[v, _]| v.max_element())
+            .fold(0.0, f64::max);
+        eprintln!(
+            "marschner eccentricity {eccentricity}: {:.2e} of the peak",
+            error / peak
+        );
+        assert!(
+            values
+                .iter()
+                .all(|[v, _]| v.is_finite() && v.min_element() >= 0.0)
+        );
         assert!(error / peak <= TURNED, "{eccentricity}: {error} of {peak}");
     }
 }
 
-/// The turn is found to 0.0005 radians; round TRT in place of elliptic errs by ten times this.
-const TURNED: f64 = 1e-3;
+/// The turn is found to 0.0005 radians; round TRT in place of elliptic errs by far more. Measured 2e-6.
+const TURNED: f64 = 2e-5;
 
-/// Without the caustic's removal, which moves some of TRT; of the largest value.
-const UNIFORM: f64 = 0.03;
+/// Without the caustic's removal, which moves some of TRT; of the value: measured 0.008.
+const UNIFORM: f64 = 0.015;
 
 #[test]
 fn the_ambient_term_is_the_integral_of_the_model_over_the_sphere() {
@@ -168,14 +260,50 @@ fn the_ambient_term_is_the_integral_of_the_model_over_the_sphere() {
 #[test]
 fn a_parameter_out_of_range_is_named() {
     let wrong = [
-        ("eta", Marschner { eta: 3.1, ..direct() }),
-        ("sigma_a", Marschner { sigma_a: Vec3::splat(f32::INFINITY), ..direct() }),
-        ("alpha", Marschner { alpha: [0.0, 2.0, 0.0], ..direct() }),
-        ("beta", Marschner { beta: [0.1, 0.1, 0.0], ..direct() }),
-        ("eccentricity", Marschner { eccentricity: 1.4, ..direct() }),
+        (
+            "eta",
+            Marschner {
+                eta: 3.1,
+                ..direct()
+            },
+        ),
+        (
+            "sigma_a",
+            Marschner {
+                sigma_a: Vec3::splat(f32::INFINITY),
+                ..direct()
+            },
+        ),
+        (
+            "alpha",
+            Marschner {
+                alpha: [0.0, 2.0, 0.0],
+                ..direct()
+            },
+        ),
+        (
+            "beta",
+            Marschner {
+                beta: [0.1, 0.1, 0.0],
+                ..direct()
+            },
+        ),
+        (
+            "eccentricity",
+            Marschner {
+                eccentricity: 1.4,
+                ..direct()
+            },
+        ),
     ];
     for (name, model) in wrong {
-        let error = Shading::Marschner(model).validate().unwrap_err().to_string();
-        assert!(error.contains("marschner") && error.contains(name), "{error}");
+        let error = Shading::Marschner(model)
+            .validate()
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("marschner") && error.contains(name),
+            "{error}"
+        );
     }
 }

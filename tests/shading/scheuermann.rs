@@ -23,8 +23,14 @@ fn reference(model: &Scheuermann) -> scheuermann::Scheuermann {
 fn with_exponent(exponent: f32) -> Scheuermann {
     let model = Scheuermann::default();
     Scheuermann {
-        primary: Highlight { exponent, ..model.primary },
-        secondary: Highlight { exponent, ..model.secondary },
+        primary: Highlight {
+            exponent,
+            ..model.primary
+        },
+        secondary: Highlight {
+            exponent,
+            ..model.secondary
+        },
         ..model
     }
 }
@@ -44,13 +50,20 @@ fn values_are_the_reference_at_every_angle_and_exponent() {
     for exponent in [1.0, 10.0, 120.0, 1e4, 1e5] {
         let model = with_exponent(exponent);
         let truth = reference(&model);
-        let shifts = [model.primary.shift, model.secondary.shift].map(|s| -2.0 * f64::from(s).atan());
+        let shifts =
+            [model.primary.shift, model.secondary.shift].map(|s| -2.0 * f64::from(s).atan());
         let cases = hard_cases(&shifts);
         let tangent = frame()[0].normalize();
         let mut worst = 0.0f64;
         let mut peak = 0.0f64;
-        for (case, [value, _]) in cases.iter().zip(evaluator.run(&Shading::Scheuermann(model), &cases)) {
-            assert!(value.is_finite() && value.min_element() >= 0.0, "{value} at {case:?}");
+        for (case, [value, _]) in cases
+            .iter()
+            .zip(evaluator.run(&Shading::Scheuermann(model), &cases))
+        {
+            assert!(
+                value.is_finite() && value.min_element() >= 0.0,
+                "{value} at {case:?}"
+            );
             if tangent.cross(case.wo.normalize()).length() < ALONG {
                 continue;
             }
@@ -58,14 +71,22 @@ fn values_are_the_reference_at_every_angle_and_exponent() {
             peak = peak.max(expected.max_element());
             worst = worst.max((value - expected).abs().max_element());
         }
-        eprintln!("scheuermann m {exponent}: worst {:.2e} of the peak", worst / peak);
-        assert!(worst / peak <= tolerance(exponent), "m {exponent}: {worst} of {peak}");
+        eprintln!(
+            "scheuermann m {exponent}: worst {:.2e} of the peak",
+            worst / peak
+        );
+        assert!(
+            worst / peak <= tolerance(exponent),
+            "m {exponent}: {worst} of {peak}"
+        );
     }
 }
 
 /// As Kajiya-Kay's ambient term: it leaves out the lobe's cut at grazing angles, at most k 2π / (m + 2).
 fn uniform_tolerance(model: &Scheuermann) -> f64 {
-    let of = |h: &Highlight| f64::from(h.colour.max_element() / (h.exponent + 2.0)) * std::f64::consts::TAU;
+    let of = |h: &Highlight| {
+        f64::from(h.colour.max_element() / (h.exponent + 2.0)) * std::f64::consts::TAU
+    };
     1e-3 + of(&model.primary) + of(&model.secondary)
 }
 
@@ -79,7 +100,10 @@ fn the_ambient_term_is_the_integral_of_the_model_over_the_sphere() {
         let expected: DVec3 = evaluator.furnace(&Shading::Scheuermann(model), theta, [400, 128]);
         let off = (value - expected).abs().max_element();
         eprintln!("scheuermann ambient at {theta}: {value:.4} for {expected:.4}");
-        assert!(off <= uniform_tolerance(&model), "{theta}: {value} for {expected}");
+        assert!(
+            off <= uniform_tolerance(&model),
+            "{theta}: {value} for {expected}"
+        );
     }
 }
 
@@ -87,12 +111,33 @@ fn the_ambient_term_is_the_integral_of_the_model_over_the_sphere() {
 fn a_parameter_out_of_range_is_named() {
     let model = Scheuermann::default();
     let wrong = [
-        ("diffuse", Scheuermann { diffuse: Vec3::new(-1.0, 0.0, 0.0), ..model }),
+        (
+            "diffuse",
+            Scheuermann {
+                diffuse: Vec3::new(-1.0, 0.0, 0.0),
+                ..model
+            },
+        ),
         ("primary.exponent", with_exponent(0.5)),
-        ("secondary.shift", Scheuermann { secondary: Highlight { shift: 11.0, ..model.secondary }, ..model }),
+        (
+            "secondary.shift",
+            Scheuermann {
+                secondary: Highlight {
+                    shift: 11.0,
+                    ..model.secondary
+                },
+                ..model
+            },
+        ),
     ];
     for (name, model) in wrong {
-        let error = Shading::Scheuermann(model).validate().unwrap_err().to_string();
-        assert!(error.contains("scheuermann") && error.contains(name), "{error}");
+        let error = Shading::Scheuermann(model)
+            .validate()
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("scheuermann") && error.contains(name),
+            "{error}"
+        );
     }
 }

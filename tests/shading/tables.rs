@@ -18,7 +18,11 @@ fn spread() -> Vec<Case> {
         for j in 0..24 {
             for k in 0..37 {
                 let theta = |n: i32| 1.5 * (f64::from(n) / 11.5 - 1.0);
-                cases.push(case(theta(i), theta(j), std::f64::consts::PI * f64::from(k) / 36.0));
+                cases.push(case(
+                    theta(i),
+                    theta(j),
+                    std::f64::consts::PI * f64::from(k) / 36.0,
+                ));
             }
         }
     }
@@ -27,7 +31,11 @@ fn spread() -> Vec<Case> {
 
 /// Root of the mean square of the differences, of the root of the mean square of the values.
 fn rmse(actual: &[[DVec3; 2]], expected: &[[DVec3; 2]]) -> f64 {
-    let difference: f64 = actual.iter().zip(expected).map(|(a, e)| (a[0] - e[0]).length_squared()).sum();
+    let difference: f64 = actual
+        .iter()
+        .zip(expected)
+        .map(|(a, e)| (a[0] - e[0]).length_squared())
+        .sum();
     let whole: f64 = expected.iter().map(|e| e[0].length_squared()).sum();
     (difference / whole).sqrt()
 }
@@ -47,7 +55,10 @@ fn errors(device: &mut Device, name: &str, with: &dyn Fn(Option<Tables>) -> Shad
         eprintln!("{name} tables {size}: rmse {f32:.2e} as f32, {f16:.2e} as f16");
         // Bilinear interpolation of a function with corners: the error falls at least as the step.
         let allowed = bound * 64.0 / f64::from(size) + F16;
-        assert!(f32 <= allowed && f16 <= allowed, "{name} {size}: {f32:e}, {f16:e}");
+        assert!(
+            f32 <= allowed && f16 <= allowed,
+            "{name} {size}: {f32:e}, {f16:e}"
+        );
         assert!(f32 < before, "{name} {size}: {f32:e} after {before:e}");
         before = f32;
     }
@@ -56,9 +67,10 @@ fn errors(device: &mut Device, name: &str, with: &dyn Fn(Option<Tables>) -> Shad
 /// An f16 keeps 11 bits: 2.4e-4 on average of a value's own size.
 const F16: f64 = 5e-4;
 /// At 64 rows and columns.
+/// Measured 1e-3.
 const CHIANG: f64 = 3e-3;
-/// TT and TRT end at corners.
-const MARSCHNER: f64 = 0.03;
+/// TT and TRT end at corners. Measured 1.2e-3.
+const MARSCHNER: f64 = 3.5e-3;
 
 #[test]
 fn errors_of_tables_fall_with_their_size() {
@@ -86,7 +98,9 @@ fn only_what_a_model_needs_is_made() {
     let Some(mut device) = device() else { return };
     let strands = builtin(BuiltinGroom::Straight, 200).unwrap();
     let size = [64, 80];
-    let image = device.create_image(size[0], size[1], FORMAT, false).unwrap();
+    let image = device
+        .create_image(size[0], size[1], FORMAT, false)
+        .unwrap();
     let direct = Chiang {
         tables: None,
         ..Chiang::default()
@@ -101,12 +115,34 @@ fn only_what_a_model_needs_is_made() {
     for (shading, ambient, bytes) in [
         (Shading::KajiyaKay(KajiyaKay::default()), 0.1, 0),
         (Shading::Scheuermann(Scheuermann::default()), 0.1, 0),
-        (Shading::Sadeghi(Sadeghi { normalised: false, ..Sadeghi::default() }), 0.0, 0),
+        (
+            Shading::Sadeghi(Sadeghi {
+                normalised: false,
+                ..Sadeghi::default()
+            }),
+            0.0,
+            0,
+        ),
         (Shading::Sadeghi(Sadeghi::default()), 0.0, angles),
         (Shading::Chiang(direct), 0.0, 0),
         (Shading::Chiang(direct), 0.1, angles),
-        (Shading::Chiang(Chiang { tables: Some(tables), ..direct }), 0.0, azimuthal),
-        (Shading::Chiang(Chiang { tables: Some(tables), dual_scattering: dual, ..direct }), 0.0, angles + 2 * azimuthal),
+        (
+            Shading::Chiang(Chiang {
+                tables: Some(tables),
+                ..direct
+            }),
+            0.0,
+            azimuthal,
+        ),
+        (
+            Shading::Chiang(Chiang {
+                tables: Some(tables),
+                dual_scattering: dual,
+                ..direct
+            }),
+            0.0,
+            angles + 2 * azimuthal,
+        ),
         (Shading::KajiyaKay(KajiyaKay::default()), 0.0, 0),
     ] {
         let mut hair = device.renderer.create_hair(&strands).unwrap();
@@ -118,8 +154,15 @@ fn only_what_a_model_needs_is_made() {
             view: scenes::portrait(size),
             transparency: None,
         };
-        let statistics = device.render(&frame, &Target::cleared(&image.colour)).unwrap();
-        let held: u64 = statistics.bytes.iter().filter(|(label, _)| label == "pelage.shading.tables").map(|(_, bytes)| bytes).sum();
+        let statistics = device
+            .render(&frame, &Target::cleared(&image.colour))
+            .unwrap();
+        let held: u64 = statistics
+            .bytes
+            .iter()
+            .filter(|(label, _)| label == "pelage.shading.tables")
+            .map(|(_, bytes)| bytes)
+            .sum();
         assert_eq!(held, bytes, "{} with ambient {ambient}", shading.stem());
     }
 }
@@ -129,7 +172,9 @@ fn tables_are_filled_once_and_again_when_a_parameter_changes() {
     let Some(mut device) = device() else { return };
     let strands = builtin(BuiltinGroom::Straight, 200).unwrap();
     let size = [64, 80];
-    let image = device.create_image(size[0], size[1], FORMAT, false).unwrap();
+    let image = device
+        .create_image(size[0], size[1], FORMAT, false)
+        .unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     let lights = [Light::directional(DVec3::new(0.5, -0.7, -0.7), Vec3::ONE)];
     let mut filled = Vec::new();
@@ -149,12 +194,25 @@ fn tables_are_filled_once_and_again_when_a_parameter_changes() {
         if filled.len() == 3 {
             let device_of = device.renderer.device().clone();
             let mut encoder = device_of.create_command_encoder(&Default::default());
-            device.renderer.record(&mut encoder, &frame, &Target::cleared(&image.colour)).unwrap();
+            device
+                .renderer
+                .record(&mut encoder, &frame, &Target::cleared(&image.colour))
+                .unwrap();
         }
-        let statistics = device.renderer.render_timed(&frame, &Target::cleared(&image.colour)).unwrap();
-        filled.push(statistics.passes.iter().any(|pass| pass.label == "pelage.shading.chiang.tables"));
+        let statistics = device
+            .renderer
+            .render_timed(&frame, &Target::cleared(&image.colour))
+            .unwrap();
+        filled.push(
+            statistics
+                .passes
+                .iter()
+                .any(|pass| pass.label == "pelage.shading.chiang.tables"),
+        );
         let device_of = device.renderer.device().clone();
-        device_of.poll(pelage::wgpu::PollType::wait_indefinitely()).unwrap();
+        device_of
+            .poll(pelage::wgpu::PollType::wait_indefinitely())
+            .unwrap();
         let pixels = device.read_colour(&image.colour).unwrap();
         assert!(pixels.iter().any(|p| p.x > 0.0));
     }

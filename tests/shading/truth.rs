@@ -40,19 +40,35 @@ fn read(path: &Path) -> Vec<[f32; 4]> {
 /// Draws the ball.
 fn draw(device: &mut Device, folder: &Path, chiang: Chiang, shadow: Shadow) -> Vec<[f32; 4]> {
     let bytes = std::fs::read(folder.join("ball.hair")).unwrap();
-    let strands = formats::read_hair(&bytes).unwrap().with_root_tip_radii(0.0025, 0.0025).unwrap();
+    let strands = formats::read_hair(&bytes)
+        .unwrap()
+        .with_root_tip_radii(0.0025, 0.0025)
+        .unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.shading = Shading::Chiang(chiang);
     let frame = Frame {
         hairs: &[&hair],
         lights: &[Light {
             shadow: Some(shadow),
-            ..Light::directional(DVec3::new(-0.6, -0.7, -0.6), Vec3::splat(std::f32::consts::PI))
+            ..Light::directional(
+                DVec3::new(-0.6, -0.7, -0.6),
+                Vec3::splat(std::f32::consts::PI),
+            )
         }],
         ambient: Vec3::ZERO,
-        view: View::perspective(DVec3::new(0.0, 0.4, 3.0), DVec3::ZERO, DVec3::Y, 36f64.to_radians(), 1.0, [0.1, 10.0]).unwrap(),
+        view: View::perspective(
+            DVec3::new(0.0, 0.4, 3.0),
+            DVec3::ZERO,
+            DVec3::Y,
+            36f64.to_radians(),
+            1.0,
+            [0.1, 10.0],
+        )
+        .unwrap(),
         transparency: None,
     };
+    // The first frame's pool is a guess; what does not fit would be merged.
+    images::render(device, &frame, [SIZE as u32; 2]);
     let (image, _) = images::render(device, &frame, [SIZE as u32; 2]);
     image.pixels.iter().map(|p| p.map(|v| v as f32)).collect()
 }
@@ -66,12 +82,17 @@ struct Comparison {
 }
 
 fn compare(name: &str, actual: &[[f32; 4]], expected: &[[f32; 4]]) -> Comparison {
-    let mean = |image: &[[f32; 4]], c: usize| image.iter().map(|p| f64::from(p[c])).sum::<f64>() / image.len() as f64;
+    let mean = |image: &[[f32; 4]], c: usize| {
+        image.iter().map(|p| f64::from(p[c])).sum::<f64>() / image.len() as f64
+    };
     let ratio = [0, 1, 2].map(|c| mean(actual, c) / mean(expected, c));
     let blocks = SIZE / BLOCK;
     let block = |image: &[[f32; 4]], number: usize, c: usize| {
         let (row, column) = (number / blocks * BLOCK, number % blocks * BLOCK);
-        (0..BLOCK * BLOCK).map(|i| f64::from(image[(row + i / BLOCK) * SIZE + column + i % BLOCK][c])).sum::<f64>() / (BLOCK * BLOCK) as f64
+        (0..BLOCK * BLOCK)
+            .map(|i| f64::from(image[(row + i / BLOCK) * SIZE + column + i % BLOCK][c]))
+            .sum::<f64>()
+            / (BLOCK * BLOCK) as f64
     };
     let (mut off, mut whole) = (0.0, 0.0);
     for number in 0..blocks * blocks {
@@ -105,23 +126,42 @@ const UNSHADOWED: [f64; 2] = [0.02, 0.05];
 
 #[test]
 fn the_unshadowed_ball_is_that_of_another_renderer() {
-    let Some(folder) = truth("the_unshadowed_ball_is_that_of_another_renderer") else { return };
+    let Some(folder) = truth("the_unshadowed_ball_is_that_of_another_renderer") else {
+        return;
+    };
     let Some(mut device) = device() else { return };
     let expected = read(&folder.join("ball_unshadowed.exr"));
-    for (name, model) in [("tables", ball()), ("direct", Chiang { tables: None, ..ball() })] {
+    for (name, model) in [
+        ("tables", ball()),
+        (
+            "direct",
+            Chiang {
+                tables: None,
+                ..ball()
+            },
+        ),
+    ] {
         let actual = draw(&mut device, &folder, model, Shadow::None);
         let found = compare(&format!("unshadowed, {name}"), &actual, &expected);
-        assert!(found.ratio.iter().all(|r| (r - 1.0).abs() <= UNSHADOWED[0]), "{:?}", found.ratio);
+        assert!(
+            found.ratio.iter().all(|r| (r - 1.0).abs() <= UNSHADOWED[0]),
+            "{:?}",
+            found.ratio
+        );
         assert!(found.rmse <= UNSHADOWED[1], "{}", found.rmse);
     }
 }
 
-/// Of the mean, a channel.
+/// Of the mean, a channel. Measured: 1.01, 0.90, 0.81. The blocks' rmse is 0.58: the lit rim is too bright, since the light that
+/// comes back is that of hair without end, and fibres that point at the eye in the middle too dark. Single scattering is 11 % too
+/// dark already, by the shadow map.
 const FULL: f64 = 0.2;
 
 #[test]
 fn the_fully_scattered_ball_is_near_that_of_another_renderer() {
-    let Some(folder) = truth("the_fully_scattered_ball_is_near_that_of_another_renderer") else { return };
+    let Some(folder) = truth("the_fully_scattered_ball_is_near_that_of_another_renderer") else {
+        return;
+    };
     let Some(mut device) = device() else { return };
     let single = read(&folder.join("ball_single.exr"));
     let full = read(&folder.join("ball_full.exr"));
@@ -132,9 +172,16 @@ fn the_fully_scattered_ball_is_near_that_of_another_renderer() {
     let alone = draw(&mut device, &folder, ball(), map);
     compare("single scattering", &alone, &single);
     let variants = if std::env::var_os("PELAGE_TEST_VARIANTS").is_some() {
-        vec![(0.7, 0.7), (1.0, 1.0), (1.0, 0.7), (0.7, 1.0), (0.7, 0.0), (1.0, 0.0)]
+        vec![
+            (1.0, 1.0),
+            (1.0, 0.7),
+            (1.0, 0.5),
+            (1.0, 0.3),
+            (1.0, 0.0),
+            (0.7, 0.7),
+        ]
     } else {
-        vec![(0.7, 0.7)]
+        vec![(1.0, 1.0)]
     };
     for (forward, backward) in variants {
         let dual = Chiang {
@@ -142,9 +189,33 @@ fn the_fully_scattered_ball_is_near_that_of_another_renderer() {
             ..ball()
         };
         let actual = draw(&mut device, &folder, dual, map);
-        let found = compare(&format!("fully scattered, densities {forward} and {backward}"), &actual, &full);
-        if (forward, backward) == (0.7, 0.7) {
-            assert!(found.ratio.iter().all(|r| (r - 1.0).abs() <= FULL), "{:?}", found.ratio);
+        let found = compare(
+            &format!("fully scattered, densities {forward} and {backward}"),
+            &actual,
+            &full,
+        );
+        if std::env::var_os("PELAGE_TEST_VARIANTS").is_some() {
+            let bright = |image: &[[f32; 4]]| {
+                images::image(
+                    [SIZE as u32; 2],
+                    image
+                        .iter()
+                        .map(|p| p.map(|v| f64::from(v) * 4.0))
+                        .collect(),
+                )
+            };
+            images::write_failure(
+                &format!("ball {forward} {backward}"),
+                &bright(&actual),
+                &bright(&full),
+            );
+        }
+        if dual.dual_scattering == Some(DualScattering::default()) {
+            assert!(
+                found.ratio.iter().all(|r| (r - 1.0).abs() <= FULL),
+                "{:?}",
+                found.ratio
+            );
         }
     }
 }
