@@ -1,6 +1,6 @@
 //! What the models of a dielectric fibre share: dual scattering, tables, colours of hair, checks.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use crate::error::{Result, invalid};
 
@@ -158,7 +158,7 @@ pub fn sigma_a_from_reflectance(colour: Vec3, beta_n: f32) -> Result<Vec3> {
         .into_iter()
         .fold(0.0, |sum, c| sum * b + c);
     let of = |c: f64| (c.ln() / fit).powi(2);
-    Ok(DVec3::from(colour.as_dvec3()).map(of).as_vec3())
+    Ok(colour.as_dvec3().map(of).as_vec3())
 }
 
 /// Usual colours of hair.

@@ -32,10 +32,6 @@ use crate::shadow;
 /// A shading model with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "one a hair; plain data is worth more than bytes"
-)]
 pub enum Shading {
     /// Kajiya and Kay 1989.
     KajiyaKay(KajiyaKay),

@@ -49,11 +49,11 @@ fn models() -> Vec<(&'static str, Shading)> {
     ]
 }
 
+/// What is done with a model's averages at θ, and with the model.
+type Check<'a> = dyn FnMut(&dyn Fn(f64) -> Averages, &dyn ReferenceModel) + 'a;
+
 /// Calls `check` with the model as the reference has it.
-fn with_reference(
-    shading: &Shading,
-    check: &mut dyn FnMut(&dyn Fn(f64) -> Averages, &dyn ReferenceModel),
-) {
+fn with_reference(shading: &Shading, check: &mut Check) {
     match shading {
         Shading::Chiang(model) => run(&chiang::reference(model), check),
         Shading::Marschner(model) => run(&marschner::reference(model), check),
@@ -88,10 +88,7 @@ impl<M: FibreModel> ReferenceModel for M {
     }
 }
 
-fn run<M: FibreModel>(
-    model: &M,
-    check: &mut dyn FnMut(&dyn Fn(f64) -> Averages, &dyn ReferenceModel),
-) {
+fn run<M: FibreModel>(model: &M, check: &mut Check) {
     check(&|theta| Averages::of(model, theta, 60), model);
 }
 
@@ -164,9 +161,11 @@ fn forward(averages: &Averages, fibres: f64, density: Density) -> Forward {
     }
 }
 
-/// Root of the mean square, of the values' own: a widened lobe stands for the integral over the light's spread: measured
-/// 0.005 to 0.02 at two fibres, 0.19 at eight (Sadeghi, whose divisor is taken at the light's own angle; 0.08 else).
-const SPREAD: f64 = 0.25;
+/// Root of the mean square, of the values' own: a widened lobe stands for the integral over the light's spread. Measured at
+/// one fibre and at six: 0.007 and 0.08.
+const SPREAD: f64 = 0.12;
+/// Sadeghi: 0.05 and 0.28. This model's divisor, up to 14 here, is taken at the light's own angle.
+const SPREAD_SADEGHI: f64 = 0.35;
 
 #[test]
 fn all_light_together_is_near_the_integral_of_the_reference() {
@@ -207,7 +206,11 @@ fn all_light_together_is_near_the_integral_of_the_reference() {
                 }
                 let error = (off / whole).sqrt();
                 eprintln!("{name}, {fibres} fibres: rmse {error:.3}");
-                let allowed = if fibres == 0.0 { AVERAGES } else { SPREAD };
+                let allowed = match name {
+                    _ if fibres == 0.0 => AVERAGES,
+                    "sadeghi" => SPREAD_SADEGHI,
+                    _ => SPREAD,
+                };
                 assert!(error <= allowed, "{name}, {fibres} fibres: {error}");
             }
         });
