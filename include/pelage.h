@@ -121,6 +121,51 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Kajiya and Kay 1989.
 #define PELAGE_SHADING_KAJIYA_KAY 0
 
+// Scheuermann 2004: Kajiya-Kay with two highlights.
+#define PELAGE_SHADING_SCHEUERMANN 1
+
+// Marschner et al. 2003.
+#define PELAGE_SHADING_MARSCHNER 2
+
+// Sadeghi et al. 2010.
+#define PELAGE_SHADING_SADEGHI 3
+
+// Chiang et al. 2016, d'Eon et al. 2011.
+#define PELAGE_SHADING_CHIANG 4
+
+// Of the exact exit angle.
+#define PELAGE_ROOTS_EXACT 0
+
+// Of its fit by a cubic polynomial.
+#define PELAGE_ROOTS_CUBIC 1
+
+// 16-bit floats.
+#define PELAGE_PRECISION_F16 0
+
+// 32-bit floats.
+#define PELAGE_PRECISION_F32 1
+
+// Black hair.
+#define PELAGE_HAIR_COLOUR_BLACK 0
+
+// Brown hair.
+#define PELAGE_HAIR_COLOUR_BROWN 1
+
+// Blond hair.
+#define PELAGE_HAIR_COLOUR_BLOND 2
+
+// Red hair.
+#define PELAGE_HAIR_COLOUR_RED 3
+
+// Grey hair.
+#define PELAGE_HAIR_COLOUR_GREY 4
+
+// White hair.
+#define PELAGE_HAIR_COLOUR_WHITE 5
+
+// Dyed hair, blue.
+#define PELAGE_HAIR_COLOUR_DYED 6
+
 // Every light reaches every fibre.
 #define PELAGE_SHADOW_NONE 0
 
@@ -457,6 +502,141 @@ typedef struct PelageKajiyaKay {
     float exponent;
 } PelageKajiyaKay;
 
+// One highlight of Scheuermann's model.
+typedef struct PelageHighlight {
+    // Coefficient, linear RGB, from 0 to 1e6.
+    float colour[3];
+    // Exponent, from 1 to 100000.
+    float exponent;
+    // The tangent is turned by atan(shift) towards the eye, from -10 to 10. Positive moves the highlight to the root.
+    float shift;
+} PelageHighlight;
+
+// Scheuermann 2004: Kajiya-Kay with two highlights.
+typedef struct PelageScheuermann {
+    // `sizeof(PelageScheuermann)`.
+    uint32_t struct_size;
+    // Diffuse coefficient, linear RGB, from 0 to 1e6; multiplies each strand's own colour.
+    float diffuse[3];
+    // The first highlight, of the light's colour.
+    struct PelageHighlight primary;
+    // The second; multiplies each strand's own colour.
+    struct PelageHighlight secondary;
+} PelageScheuermann;
+
+// Marschner et al. 2003.
+typedef struct PelageMarschner {
+    // `sizeof(PelageMarschner)`.
+    uint32_t struct_size;
+    // Index of refraction, from 1.01 to 3.
+    float eta;
+    // Absorption per fibre radius, linear RGB, from 0 to 1e6.
+    float sigma_a[3];
+    // Shifts of R, TT and TRT in terms of half the sum of both inclinations, radians, -pi/2 to pi/2; negative is towards
+    // the root.
+    float alpha[3];
+    // Widths of R, TT and TRT in the same terms, radians, from 1e-5 to 10.
+    float beta[3];
+    // One axis of the section over the other, from 0.75 to 1.33.
+    float eccentricity;
+    // `PELAGE_ROOTS_...`.
+    uint32_t roots;
+    // 0: the caustic stays; 1: it is taken out, and glints are put in its place.
+    uint32_t remove_caustic;
+    // Azimuthal width of the glints, radians, from 1e-5 to 10.
+    float caustic_width;
+    // Scale of the glints, from 0 to 100; 0.5 keeps the energy.
+    float caustic_scale;
+    // Range of the index above 2 in which the glints fade, from 1e-5 to 10.
+    float caustic_fade;
+    // Limit of the caustic's width across the fibre, from 0 to 1.
+    float caustic_limit;
+    // What a crossing transmits further at the tip, linear RGB, from 0 to 1.
+    float tip_colour[3];
+    // Rows and columns of the tables, from 32 to 512; 0: no tables.
+    uint32_t table_size;
+    // `PELAGE_PRECISION_...`.
+    uint32_t table_precision;
+    // 0: single scattering; 1: with dual scattering.
+    uint32_t dual_scattering;
+    // Density of hair before the shaded fibre, from 0 to 1.
+    float forward_density;
+    // Density of hair around it, from 0 to 1.
+    float backward_density;
+} PelageMarschner;
+
+// One lobe of Sadeghi's model.
+typedef struct PelageLobe {
+    // Linear RGB, from 0 to 1e6.
+    float colour[3];
+    // From 0 to 1e6.
+    float intensity;
+    // Shift in terms of half the sum of both inclinations, radians, -pi/2 to pi/2; negative is towards the root.
+    float shift;
+    // Width in the same terms, radians, from 1e-5 to 10.
+    float width;
+} PelageLobe;
+
+// Sadeghi et al. 2010.
+typedef struct PelageSadeghi {
+    // `sizeof(PelageSadeghi)`.
+    uint32_t struct_size;
+    // Primary highlight.
+    struct PelageLobe r;
+    // Forward lobe.
+    struct PelageLobe tt;
+    // Secondary highlight, with the glints.
+    struct PelageLobe trt;
+    // Azimuthal width of the forward lobe, radians, from 1e-5 to 10.
+    float tt_azimuthal_width;
+    // Intensity of the glints relative to the secondary highlight, from 0 to 1e6.
+    float glint_intensity;
+    // Azimuthal width of the glints, radians, from 1e-5 to 10.
+    float glint_width;
+    // Range of half the angle between a strand's two glints, radians, from 0 to pi.
+    float glint_angle[2];
+    // 1: divided by the part of the light that is scattered where that is above 1; 0: as published.
+    uint32_t normalised;
+    // What a crossing transmits further at the tip, linear RGB, from 0 to 1.
+    float tip_colour[3];
+    // 0: single scattering; 1: with dual scattering.
+    uint32_t dual_scattering;
+    // Density of hair before the shaded fibre, from 0 to 1.
+    float forward_density;
+    // Density of hair around it, from 0 to 1.
+    float backward_density;
+} PelageSadeghi;
+
+// Chiang et al. 2016, d'Eon et al. 2011.
+typedef struct PelageChiang {
+    // `sizeof(PelageChiang)`.
+    uint32_t struct_size;
+    // Longitudinal roughness, from 0.001 to 1.
+    float beta_m;
+    // Azimuthal roughness, from 0.001 to 1.
+    float beta_n;
+    // Tilt of the cuticle's scales, radians, -pi/2 to pi/2; positive moves the first highlight towards the root.
+    float alpha;
+    // Index of refraction, from 1.01 to 3.
+    float eta;
+    // Absorption per fibre radius, linear RGB, from 0 to 1e6. See `pelage_sigma_a_from_melanin`.
+    float sigma_a[3];
+    // What a crossing transmits further at the tip, linear RGB, from 0 to 1.
+    float tip_colour[3];
+    // Intervals of the integral across the fibre where there are no tables, from 8 to 256.
+    uint32_t intervals;
+    // Rows and columns of the tables, from 32 to 512; 0: no tables.
+    uint32_t table_size;
+    // `PELAGE_PRECISION_...`.
+    uint32_t table_precision;
+    // 0: single scattering; 1: with dual scattering.
+    uint32_t dual_scattering;
+    // Density of hair before the shaded fibre, from 0 to 1.
+    float forward_density;
+    // Density of hair around it, from 0 to 1.
+    float backward_density;
+} PelageChiang;
+
 // A shading model with its parameters.
 typedef struct PelageShading {
     // `sizeof(PelageShading)`.
@@ -465,6 +645,14 @@ typedef struct PelageShading {
     uint32_t model;
     // For `PELAGE_SHADING_KAJIYA_KAY`; NULL: as `PELAGE_KAJIYA_KAY_INIT`.
     const struct PelageKajiyaKay *kajiya_kay;
+    // For `PELAGE_SHADING_SCHEUERMANN`; NULL: as `PELAGE_SCHEUERMANN_INIT`.
+    const struct PelageScheuermann *scheuermann;
+    // For `PELAGE_SHADING_MARSCHNER`; NULL: as `PELAGE_MARSCHNER_INIT`.
+    const struct PelageMarschner *marschner;
+    // For `PELAGE_SHADING_SADEGHI`; NULL: as `PELAGE_SADEGHI_INIT`.
+    const struct PelageSadeghi *sadeghi;
+    // For `PELAGE_SHADING_CHIANG`; NULL: as `PELAGE_CHIANG_INIT`.
+    const struct PelageChiang *chiang;
 } PelageShading;
 
 // Settings of the deep opacity map.
@@ -903,6 +1091,27 @@ PelageResult pelage_context_set_byte_budget(struct PelageContext context, uint64
 // Errors: `PELAGE_DEVICE_LOST`.
 PelageResult pelage_wait(struct PelageContext context);
 
+// Absorption per fibre radius, linear RGB, of hair with these concentrations of melanin, each from 0 to 100000; brown hair
+// has 1.3 and 0. `sigma_a` takes three floats.
+//
+// Errors: a concentration out of its range; NULL.
+PelageResult pelage_sigma_a_from_melanin(float eumelanin,
+                                         float pheomelanin,
+                                         float *sigma_a);
+
+// Absorption per fibre radius, linear RGB, with which a volume of hair has about this linear colour (each channel above 0,
+// at most 1) after all scattering, at an azimuthal roughness from 0.001 to 1. `colour` has and `sigma_a` takes three floats.
+//
+// Errors: a value out of its range; NULL.
+PelageResult pelage_sigma_a_from_reflectance(const float *colour,
+                                             float beta_n,
+                                             float *sigma_a);
+
+// Absorption per fibre radius, linear RGB, of `PELAGE_HAIR_COLOUR_...`. `sigma_a` takes three floats.
+//
+// Errors: an unknown colour; NULL.
+PelageResult pelage_sigma_a_of(uint32_t colour, float *sigma_a);
+
 // Makes a hair of strands: default shading, fully opaque fibres, no wishes, and the identity for its transform.
 //
 // Errors: a value out of its range, named by strand and point; no memory.
@@ -1213,7 +1422,11 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_FILE_INIT { sizeof(PelageFile), 0, NULL, 0, 0.0f, 0.0f }
 #define PELAGE_HAIR_INFO_INIT { sizeof(PelageHairInfo), 0, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_KAJIYA_KAY_INIT { sizeof(PelageKajiyaKay), { 0.2324944f, 0.18368948f, 0.09059402f }, { 0.09f, 0.09f, 0.09f }, 60.0f }
-#define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL }
+#define PELAGE_SCHEUERMANN_INIT { sizeof(PelageScheuermann), { 0.2324944f, 0.18368948f, 0.09059402f }, { { 0.06f, 0.06f, 0.06f }, 120.0f, 0.07f }, { { 0.2324944f, 0.18368948f, 0.09059402f }, 30.0f, -0.1f } }
+#define PELAGE_MARSCHNER_INIT { sizeof(PelageMarschner), 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { -0.1308997f, 0.06544985f, 0.19634955f }, { 0.1308997f, 0.06544985f, 0.2617994f }, 1.0f, 0, 1, 0.2617994f, 0.5f, 0.3f, 0.5f, { 1.0f, 1.0f, 1.0f }, 64, 0, 0, 1.0f, 1.0f }
+#define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 1.0f }
+#define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 1.0f }
+#define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 3, 0.5f, 0 }
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }

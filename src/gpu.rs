@@ -20,13 +20,14 @@ pub(crate) enum Group {
     Shade,
     Track,
     PointOutputs,
+    TablesWritten,
     MapsWritten,
     MapsRead,
     PixelsWritten,
     PixelsRead,
 }
 
-const GROUPS: [Group; 11] = [
+const GROUPS: [Group; 12] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
@@ -34,6 +35,7 @@ const GROUPS: [Group; 11] = [
     Group::Shade,
     Group::Track,
     Group::PointOutputs,
+    Group::TablesWritten,
     Group::MapsWritten,
     Group::MapsRead,
     Group::PixelsWritten,
@@ -52,7 +54,8 @@ impl Group {
             | Self::Segments
             | Self::Shade
             | Self::Track
-            | Self::PointOutputs => 1,
+            | Self::PointOutputs
+            | Self::TablesWritten => 1,
             Self::MapsWritten | Self::MapsRead => 2,
             Self::PixelsWritten | Self::PixelsRead => 3,
         }
@@ -102,13 +105,14 @@ impl Group {
             Self::Segments => (0..2)
                 .map(|binding| storage(binding, raster | Stages::VERTEX, true))
                 .collect(),
-            Self::Shade => (0..5)
-                .map(|binding| storage(binding, Stages::COMPUTE, binding < 4))
+            Self::Shade => (0..6)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding != 4))
                 .collect(),
             Self::Track => (0..4)
                 .map(|binding| storage(binding, Stages::COMPUTE, binding < 3))
                 .collect(),
             Self::PointOutputs => vec![storage(0, Stages::FRAGMENT, true)],
+            Self::TablesWritten => vec![storage(0, Stages::COMPUTE, false)],
             Self::MapsWritten => vec![storage(0, raster, false)],
             Self::MapsRead => vec![storage(0, raster, true)],
             Self::PixelsWritten => (0..PIXEL_BUFFERS)

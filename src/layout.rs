@@ -105,7 +105,7 @@ pub struct Frame {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct Material {
-    pub values: [[f32; 4]; 8],
+    pub values: [[f32; 4]; 16],
 }
 
 #[repr(C)]

@@ -10,6 +10,7 @@ use crate::gpu::{Gpu, workgroups};
 use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
+use crate::shading::Shading;
 use crate::shadow::deep_opacity_map::front_shift;
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::Transparency;
@@ -70,7 +71,12 @@ pub(crate) struct Plan {
     pub uniforms: Vec<u8>,
     pub strands: u64,
     pub segments: u64,
-    pub shading: &'static str,
+    /// The label of the pass that shades points, and the model's shaders.
+    pub shading: (&'static str, &'static [&'static str]),
+    /// Every hair's model.
+    pub shadings: Vec<Shading>,
+    /// Every hair's uniform block.
+    materials: Vec<u32>,
     pub shadowed: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
@@ -246,6 +252,8 @@ impl Plan {
                 .map(|placed| frame.hairs[placed.hair].geometry.segment_count)
                 .sum(),
             shading,
+            shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
+            materials: Vec::new(),
             shadowed: false,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
@@ -289,6 +297,7 @@ impl Plan {
         for run in &mut plan.runs {
             run.material = materials[run.hair];
         }
+        plan.materials = materials;
         plan.add_lights(frame, &placed, origin, gpu)?;
         plan.add_bands(
             frame,
@@ -317,6 +326,14 @@ impl Plan {
             0,
         );
         offset as u32
+    }
+
+    /// Writes where a hair's model has its tables.
+    pub fn set_tables(&mut self, hair: usize, place: crate::shading::tables::Place) {
+        let at = self.materials[hair] as usize + std::mem::offset_of!(layout::Material, values);
+        let last = at + 15 * size_of::<[f32; 4]>();
+        self.uniforms[last..last + size_of_val(&place)]
+            .copy_from_slice(bytemuck::cast_slice(&place));
     }
 
     /// Writes the frame's own block, when everything in it is known.
@@ -605,7 +622,7 @@ fn agree<T: Copy + PartialEq + Default>(
 }
 
 /// All hairs' model; one model a frame for now, parameters may differ.
-fn one_shading(frame: &Frame) -> Result<&'static str> {
+fn one_shading(frame: &Frame) -> Result<(&'static str, &'static [&'static str])> {
     let first = frame
         .hairs
         .first()
@@ -619,7 +636,12 @@ fn one_shading(frame: &Frame) -> Result<&'static str> {
             "hair 0 has the shading {first} and hair {other} {}",
             frame.hairs[other].shading.stem()
         ))),
-        None => Ok(first),
+        None => Ok(frame
+            .hairs
+            .first()
+            .map_or(crate::shading::kajiya_kay::POINTS, |hair| {
+                hair.shading.points()
+            })),
     }
 }
 

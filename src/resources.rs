@@ -10,6 +10,7 @@ use crate::gpu::{Allocation, Gpu, Group, Passes};
 use crate::layout::{Counters, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
+use crate::shading::tables;
 use crate::transparency::Transparency;
 use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
 
@@ -51,6 +52,8 @@ struct Slot {
     bands: u64,
     lists: bool,
     capacity: u64,
+    /// The tables that the frame fills; 0: none.
+    fills: u64,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
     depth: Option<wgpu::Texture>,
@@ -71,6 +74,8 @@ struct Groups {
     generation: u64,
     tracked: bool,
     point_outputs: wgpu::BindGroup,
+    tables: u64,
+    tables_written: Option<wgpu::BindGroup>,
     runs: Vec<RunGroups>,
     host_tiles: wgpu::BindGroup,
     maps_written: wgpu::BindGroup,
@@ -85,6 +90,8 @@ pub(crate) struct Bound<'a> {
     pub frame_without_depth: &'a wgpu::BindGroup,
     pub runs: &'a [RunGroups],
     pub host_tiles: &'a wgpu::BindGroup,
+    /// The shading models' tables, where they are still to be filled.
+    pub tables: Option<&'a wgpu::BindGroup>,
     pub maps_written: &'a wgpu::BindGroup,
     pub maps_read: &'a wgpu::BindGroup,
     pub pixels_written: &'a wgpu::BindGroup,
@@ -160,6 +167,7 @@ pub(crate) struct Resources {
     point_outputs: Allocation,
     host_tiles: Allocation,
     maps: Allocation,
+    tables: tables::Held,
     pixels: Pixels,
     arguments: Allocation,
     generation: u64,
@@ -215,6 +223,7 @@ impl Resources {
                     bands: 0,
                     lists: false,
                     capacity: 0,
+                    fills: 0,
                     frame: None,
                     frame_without_depth: None,
                     depth: None,
@@ -227,6 +236,7 @@ impl Resources {
             point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
+            tables: tables::Held::default(),
             pixels: Pixels {
                 counters: empty("pelage.counters")?,
                 fill: empty("pelage.transparency.fill")?,
@@ -279,6 +289,11 @@ impl Resources {
         if plan.runs.is_empty() {
             return Ok(());
         }
+        self.tables.hold(gpu, plan)?;
+        for hair in 0..plan.shadings.len() {
+            let place = self.tables.place(&plan.shadings[hair]);
+            plan.set_tables(hair, place);
+        }
         self.grow_pools(gpu, plan)?;
         if gpu.limits.max_texture_dimension_2d < plan.width.max(plan.height) {
             return Err(Error::Unsupported(format!(
@@ -291,6 +306,7 @@ impl Resources {
             groups.generation == self.generation
                 && groups.serials == plan.serials
                 && (groups.tracked || !plan.tracked)
+                && groups.tables == self.tables.serial
         });
         if !key_matches {
             self.groups = Some(self.bind(gpu, frame, plan));
@@ -555,6 +571,12 @@ impl Resources {
                             geometry.colours.binding(),
                             projected(),
                             self.shaded.binding(),
+                            // Models without tables read none: anything will do.
+                            self.tables
+                                .buffer
+                                .as_ref()
+                                .unwrap_or(&geometry.colours)
+                                .binding(),
                         ],
                     ),
                     track: plan.tracked.then(|| {
@@ -599,6 +621,14 @@ impl Resources {
                 Group::PointOutputs,
                 &[self.point_outputs.binding()],
             ),
+            tables: self.tables.serial,
+            tables_written: self.tables.buffer.as_ref().map(|buffer| {
+                gpu.bind(
+                    "pelage.shading.tables",
+                    Group::TablesWritten,
+                    &[buffer.binding()],
+                )
+            }),
             runs,
             host_tiles: gpu.bind(
                 "pelage.host_tiles",
@@ -666,6 +696,11 @@ impl Resources {
             })
         );
         slot.capacity = self.capacity;
+        slot.fills = if self.tables.filled {
+            0
+        } else {
+            self.tables.serial
+        };
         Ok(())
     }
 
@@ -681,6 +716,7 @@ impl Resources {
             frame_without_depth: slot.frame_without_depth.as_ref()?,
             runs: &groups.runs,
             host_tiles: &groups.host_tiles,
+            tables: groups.tables_written.as_ref().filter(|_| slot.fills > 0),
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
             pixels_written: &groups.pixels_written,
@@ -737,6 +773,8 @@ impl Resources {
             match slot.state.load(Ordering::Acquire) {
                 ARRIVED => {
                     newest = Some(read_slot(slot));
+                    // A frame that was recorded and never submitted has filled nothing.
+                    self.tables.filled |= slot.fills == self.tables.serial && slot.fills > 0;
                     slot.counters.buffer.unmap();
                     slot.state.store(IDLE, Ordering::Release);
                 }

@@ -6,7 +6,9 @@ use std::mem::offset_of;
 
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
-use crate::shading::{Shading, kajiya_kay};
+use crate::shading::{
+    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, points_module, tables,
+};
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
     ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
@@ -17,6 +19,36 @@ pub struct Combination {
     pub name: String,
     pub source: String,
     pub files: Vec<&'static str>,
+}
+
+/// Every shading model, with its defaults.
+pub fn models() -> [Shading; 5] {
+    [
+        Shading::KajiyaKay(KajiyaKay::default()),
+        Shading::Scheuermann(Scheuermann::default()),
+        Shading::Marschner(Marschner::default()),
+        Shading::Sadeghi(Sadeghi::default()),
+        Shading::Chiang(Chiang::default()),
+    ]
+}
+
+/// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
+pub fn shading_source(shading: &Shading) -> String {
+    Module::new(&["shadow/none", "shading/fibre_type"])
+        .and(shading.points().1)
+        .join()
+        .source
+}
+
+/// The pass that fills a model's tables, entry `shading_tabulate`; groups 0 (binding 2: material) and 1 (binding 0: tables).
+pub fn tables_source(shading: &Shading) -> String {
+    tables::module(shading.points().1).join().source
+}
+
+/// The tables of one model as a frame would place them: the place, the words that the host writes, and how many there are.
+pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) {
+    let (places, words, size) = tables::lay_out(&[*shading], ambient);
+    (places[0], words, size)
 }
 
 /// Every module that the crate can build.
@@ -70,8 +102,14 @@ pub fn combinations() -> Vec<Combination> {
         modules.push((format!("scan, again {again}"), module));
     }
     for shadowed in [false, true] {
-        let points = Module::new(look_up(shadowed)).and(&["shading/points", kajiya_kay::POINTS.1]);
-        modules.push((format!("points, shadowed {shadowed}"), points));
+        for model in models() {
+            let name = format!("points {}, shadowed {shadowed}", model.stem());
+            modules.push((name, points_module(shadowed, model.points().1)));
+        }
+    }
+    for model in models().iter().filter(|model| model.tables().is_some()) {
+        let name = format!("tables {}", model.stem());
+        modules.push((name, tables::module(model.points().1)));
     }
     modules.push(("track".into(), Module::new(&["common/track"])));
     for reverse in [false, true] {

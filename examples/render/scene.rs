@@ -175,7 +175,7 @@ impl Scene {
             camera: groups.camera,
             lights: groups.light.map(lights).transpose()?,
             ambient: groups.ambient,
-            shading: techniques::shading(&groups.shading, groups.fibre.sigma_a)?,
+            shading: techniques::shading(&groups.shading, &groups.fibre)?,
             fibre: groups.fibre,
             shadow: techniques::shadow(&groups.shadow)?,
             transparency: techniques::transparency(&groups.transparency)?,

@@ -9,19 +9,34 @@
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
 //! - [`transmittance`]: how much light reaches a point through other fibres
-//! - [`kajiya_kay`]: how a fibre scatters it
+//! - [`fibre`]: directions in a fibre's frame, lobes, and what every scattering model of a fibre offers
+//! - [`kajiya_kay`], [`scheuermann`]: how a fibre scatters light, from fixed lobes
+//! - [`marschner`], [`sadeghi`], [`chiang`]: the same from physics, from an artist's controls, and with all energy kept
+//! - [`dual_scattering`]: light that more than one fibre scattered
+//! - [`fresnel`], [`ray_optics`]: a dielectric's surface, and rays through a cylinder of it
+//! - [`furnace`]: what a model returns of uniform light
 //! - [`error`]: how far one image is from another
 
+pub mod chiang;
 pub mod composite;
 pub mod coverage;
+pub mod dual_scattering;
 pub mod error;
+pub mod fibre;
 pub mod fragments;
+pub mod fresnel;
+pub mod furnace;
 pub mod kajiya_kay;
+pub mod marschner;
 pub mod project;
+pub mod ray_optics;
+pub mod sadeghi;
 pub mod scene;
+pub mod scheuermann;
 pub mod transmittance;
 
 mod bvh;
+mod quadrature;
 mod random;
 
 pub use glam;

@@ -111,7 +111,7 @@ const FRAME_REVERSE_Z: u32 = 1u;
 
 // The parameters of a hair's shading model, in the order in which its file reads them.
 struct Material {
-    values: array<vec4f, 8>,
+    values: array<vec4f, 16>,
 }
 
 // Counters of a frame, read back by the host some frames later.

@@ -13,7 +13,7 @@ fn scatter(fibre: Fibre, wi: vec3f, wo: vec3f, shadow: ShadowSample) -> vec3f {
     let sin_l = sqrt(max(1.0 - cos_l * cos_l, 0.0));
     let sin_e = sqrt(max(1.0 - cos_e * cos_e, 0.0));
     let lobe = pow(max(sin_l * sin_e - cos_l * cos_e, 1e-20), kajiya_kay_exponent());
-    return kajiya_kay_diffuse() * fibre.colour * sin_l + kajiya_kay_specular() * lobe;
+    return shadow.transmittance * (kajiya_kay_diffuse() * fibre.colour * sin_l + kajiya_kay_specular() * lobe);
 }
 
 // ∫ Ψ dω over the sphere: k_d π², and for the lobe 2π (cos θ_o W + sin^(m+1) |θ_o| / (m + 1)), W = ∫ cos^(m+1). The

@@ -1,14 +1,5 @@
 // Shading at strand points (Kim §5): each point's outgoing radiance towards the eye, once a view; fragments
-// interpolate along their segments. The model's file supplies `scatter` and `scatter_uniform`.
-
-struct Fibre {
-    // Unit, from root to tip, in relative space.
-    tangent: vec3f,
-    // The strand's colour factor.
-    colour: vec3f,
-    // Root-to-tip coordinate.
-    coordinate: f32,
-}
+// interpolate along their segments. The model's file supplies `scatter`, which takes the shadow in, and `scatter_uniform`.
 
 @group(1) @binding(0) var<storage, read> points: array<Point>;
 @group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
@@ -16,6 +7,8 @@ struct Fibre {
 @group(1) @binding(2) var<storage, read> strand_colours: array<vec2u>;
 @group(1) @binding(3) var<storage, read> projected: array<Projected>;
 @group(1) @binding(4) var<storage, read_write> shaded: array<vec2u>;
+// The tables of all hairs' models; models without tables do not read it.
+@group(1) @binding(5) var<storage, read> shading_tables: array<u32>;
 
 // Whether one of the point's two segments may be drawn.
 fn points_seen(index: u32) -> bool {
@@ -47,6 +40,7 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
     fibre.tangent = points_tangent(index, strand);
     fibre.colour = vec3f(unpack2x16float(colour.x), unpack2x16float(colour.y).x);
     fibre.coordinate = attributes[index].coordinate;
+    fibre.strand = strand & POINT_STRAND;
     let to_eye = frame.eye.xyz - position * frame.eye.w;
     let wo = to_eye / max(length(to_eye), 1e-30);
 
@@ -63,8 +57,7 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
         let lean = abs(dot(fibre.tangent, wi));
         let slope = lean / max(sqrt(max(1.0 - lean * lean, 0.0)), 0.125);
         let visible = shadow(position + wi * (2.0 * slope * frame.lights[light].bias), light);
-        radiance += frame.lights[light].power * falloff * visible.transmittance
-            * scatter(fibre, wi, wo, visible);
+        radiance += frame.lights[light].power * falloff * scatter(fibre, wi, wo, visible);
     }
     // The largest 16-bit float; also what becomes of an infinity.
     radiance = min(max(radiance, vec3f(0.0)), vec3f(65504.0));

@@ -8,7 +8,8 @@ use crate::error::{Result, invalid};
 use crate::layout::Material;
 
 /// The label of the pass that shades points, and the model's shader.
-pub(crate) const POINTS: (&str, &str) = ("pelage.shading.kajiya_kay.points", "shading/kajiya_kay");
+pub(crate) const POINTS: (&str, &[&str]) =
+    ("pelage.shading.kajiya_kay.points", &["shading/kajiya_kay"]);
 /// The largest exponent; beyond it the lobe is narrower than an f32 direction can tell.
 pub const MAX_EXPONENT: f32 = 1e5;
 
@@ -74,7 +75,7 @@ impl KajiyaKay {
 
 /// ∫ cos^(m+1) x dx over -π/2…π/2, by the midpoint rule, which for this periodic integrand converges faster than any
 /// power of the step; the step follows the lobe's width.
-fn lobe_width(exponent: f64) -> f32 {
+pub(super) fn lobe_width(exponent: f64) -> f32 {
     let steps = 64 + (8.0 * exponent.sqrt()) as usize;
     let step = std::f64::consts::PI / steps as f64;
     let sum: f64 = (0..steps)

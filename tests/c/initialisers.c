@@ -26,6 +26,10 @@ int main(void) {
     PRINT(PelageFile, PELAGE_FILE_INIT);
     PRINT(PelageHairInfo, PELAGE_HAIR_INFO_INIT);
     PRINT(PelageKajiyaKay, PELAGE_KAJIYA_KAY_INIT);
+    PRINT(PelageScheuermann, PELAGE_SCHEUERMANN_INIT);
+    PRINT(PelageMarschner, PELAGE_MARSCHNER_INIT);
+    PRINT(PelageSadeghi, PELAGE_SADEGHI_INIT);
+    PRINT(PelageChiang, PELAGE_CHIANG_INIT);
     PRINT(PelageShading, PELAGE_SHADING_INIT);
     PRINT(PelageDeepOpacityMap, PELAGE_DEEP_OPACITY_MAP_INIT);
     PRINT(PelageShadow, PELAGE_SHADOW_INIT);

@@ -131,6 +131,59 @@ fn wrong_settings_leave_a_hair_as_it_was() {
         }),
         "kajiya_kay: struct_size 2",
     );
+    let marschner = PelageMarschner {
+        eccentricity: 2.0,
+        ..Default::default()
+    };
+    let sadeghi = PelageSadeghi {
+        normalised: 2,
+        ..Default::default()
+    };
+    let chiang = PelageChiang {
+        table_size: 31,
+        ..Default::default()
+    };
+    let scheuermann = PelageScheuermann {
+        struct_size: 1,
+        ..Default::default()
+    };
+    let given = PelageShading {
+        scheuermann: &scheuermann,
+        marschner: &marschner,
+        sadeghi: &sadeghi,
+        chiang: &chiang,
+        ..Default::default()
+    };
+    for (model, sentence) in [
+        (PELAGE_SHADING_SCHEUERMANN, "scheuermann: struct_size 1"),
+        (PELAGE_SHADING_MARSCHNER, "marschner: eccentricity 2"),
+        (PELAGE_SHADING_SADEGHI, "normalised 2"),
+        (PELAGE_SHADING_CHIANG, "tables.size 31"),
+        (5, "model 5"),
+    ] {
+        // SAFETY: the pointers are to values of their types.
+        let result = unsafe { pelage_hair_set_shading(hair, &PelageShading { model, ..given }) };
+        wrong(result, sentence);
+    }
+    let mut sigma_a = [0.0f32; 3];
+    // SAFETY: all arrays have three floats.
+    unsafe {
+        wrong(pelage_sigma_a_of(7, sigma_a.as_mut_ptr()), "colour 7");
+        wrong(
+            pelage_sigma_a_from_melanin(-1.0, 0.0, sigma_a.as_mut_ptr()),
+            "eumelanin -1",
+        );
+        wrong(
+            pelage_sigma_a_from_reflectance([0.0f32; 3].as_ptr(), 0.3, sigma_a.as_mut_ptr()),
+            "colour 0",
+        );
+        assert_eq!(sigma_a, [0.0; 3]);
+        assert_eq!(
+            pelage_sigma_a_from_melanin(1.0, 0.0, sigma_a.as_mut_ptr()),
+            PELAGE_OK
+        );
+    }
+    assert_eq!(sigma_a, [0.419, 0.697, 1.37]);
     let shadow = |map: PelageDeepOpacityMap| {
         // SAFETY: the pointers are to values of their types.
         unsafe {

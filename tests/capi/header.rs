@@ -135,7 +135,76 @@ fn initialisers() -> String {
         specular,
         exponent
     );
-    initialiser!(PelageShading, "PELAGE_SHADING_INIT", model, kajiya_kay);
+    initialiser!(
+        PelageScheuermann,
+        "PELAGE_SCHEUERMANN_INIT",
+        diffuse,
+        primary,
+        secondary
+    );
+    initialiser!(
+        PelageMarschner,
+        "PELAGE_MARSCHNER_INIT",
+        eta,
+        sigma_a,
+        alpha,
+        beta,
+        eccentricity,
+        roots,
+        remove_caustic,
+        caustic_width,
+        caustic_scale,
+        caustic_fade,
+        caustic_limit,
+        tip_colour,
+        table_size,
+        table_precision,
+        dual_scattering,
+        forward_density,
+        backward_density
+    );
+    initialiser!(
+        PelageSadeghi,
+        "PELAGE_SADEGHI_INIT",
+        r,
+        tt,
+        trt,
+        tt_azimuthal_width,
+        glint_intensity,
+        glint_width,
+        glint_angle,
+        normalised,
+        tip_colour,
+        dual_scattering,
+        forward_density,
+        backward_density
+    );
+    initialiser!(
+        PelageChiang,
+        "PELAGE_CHIANG_INIT",
+        beta_m,
+        beta_n,
+        alpha,
+        eta,
+        sigma_a,
+        tip_colour,
+        intervals,
+        table_size,
+        table_precision,
+        dual_scattering,
+        forward_density,
+        backward_density
+    );
+    initialiser!(
+        PelageShading,
+        "PELAGE_SHADING_INIT",
+        model,
+        kajiya_kay,
+        scheuermann,
+        marschner,
+        sadeghi,
+        chiang
+    );
     initialiser!(
         PelageDeepOpacityMap,
         "PELAGE_DEEP_OPACITY_MAP_INIT",
@@ -361,6 +430,29 @@ impl C for f32 {
 impl C for f64 {
     fn c(&self) -> String {
         format!("{self:?}")
+    }
+}
+
+impl C for PelageHighlight {
+    fn c(&self) -> String {
+        format!(
+            "{{ {}, {}, {} }}",
+            self.colour.c(),
+            self.exponent.c(),
+            self.shift.c()
+        )
+    }
+}
+
+impl C for PelageLobe {
+    fn c(&self) -> String {
+        format!(
+            "{{ {}, {}, {}, {} }}",
+            self.colour.c(),
+            self.intensity.c(),
+            self.shift.c(),
+            self.width.c()
+        )
     }
 }
 

@@ -139,6 +139,31 @@ fn settings_as_resolved_are_read_back_as_they_were() {
 }
 
 #[test]
+fn every_shading_model_is_read_back_as_it_was() {
+    for shading in [
+        r#"{"model": "scheuermann", "primary": {"exponent": 200}}"#,
+        r#"{"model": "marschner", "alpha_deg": [-5, 2.5, 7.5], "dual_scattering": true, "tables": false}"#,
+        r#"{"model": "sadeghi", "tt_intensity": 2, "dual_scattering": {"forward": 0.5, "backward": 0.6}}"#,
+        r#"{"model": "chiang", "tables": {"size": 128, "precision": "f32"}, "tip_colour": [0.9, 0.8, 0.7]}"#,
+    ] {
+        let scene = parse(&format!(r#"{{"hair": "x.hair", "shading": {shading}}}"#)).unwrap();
+        let settings = techniques::shading_settings(&scene.shading);
+        let again =
+            parse(&serde_json::json!({ "hair": "x.hair", "shading": settings }).to_string());
+        assert_eq!(
+            techniques::shading_settings(&again.unwrap().shading),
+            settings
+        );
+        scene.shading.validate().unwrap();
+    }
+    let unknown = r#"{"hair": "a.hair", "shading": {"model": "chiang", "beta_m": 0.1}}"#;
+    assert_names(
+        &error(unknown, &[]),
+        &["beta_m", "dual_scattering", "tables"],
+    );
+}
+
+#[test]
 fn an_unknown_key_is_an_error_that_names_the_known_ones() {
     assert_names(
         &error(r#"{"hair": "a.hair", "lamp": {}}"#, &[]),

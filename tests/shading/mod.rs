@@ -1,3 +1,11 @@
 //! Tests of `pelage::shading`.
 
+mod chiang;
+mod dual_scattering;
+mod harness;
 mod kajiya_kay;
+mod marschner;
+mod sadeghi;
+mod scheuermann;
+mod tables;
+mod truth;

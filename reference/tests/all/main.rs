@@ -1,16 +1,46 @@
 //! Properties of the reference: it is what all else is held to, so it is held to definitions.
 
+mod chiang;
 mod composite;
 mod coverage;
+mod dual_scattering;
 mod error;
+mod fibre;
 mod fragments;
+mod fresnel;
 mod kajiya_kay;
+mod marschner;
 mod project;
+mod ray_optics;
+mod sadeghi;
+mod scheuermann;
 mod speed;
 mod transmittance;
 
 use pelage_reference::glam::DVec3;
 use pelage_reference::scene::Strands;
+use std::path::PathBuf;
+
+/// A shared table's lines without the heading, or `None`, with a line on stderr, where it is not there.
+pub fn truth_table(test: &str, name: &str) -> Option<Vec<String>> {
+    let root = std::env::var_os("PELAGE_SHARED").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared")),
+        PathBuf::from,
+    );
+    let text = std::fs::read_to_string(root.join("truth/fibre").join(name)).ok();
+    if text.is_none() {
+        eprintln!("skipped: {test}: truth/fibre/{name}");
+    }
+    Some(text?.lines().skip(1).map(String::from).collect())
+}
+
+/// The numbers of a table's line, from column `first` on.
+pub fn numbers(line: &str, first: usize) -> Vec<f64> {
+    line.split(',')
+        .skip(first)
+        .map(|field| field.parse().unwrap())
+        .collect()
+}
 
 /// SplitMix64, for scenes that no property generates.
 pub struct Random(pub u64);
