@@ -110,6 +110,9 @@ pub struct Evaluator {
     evaluate: wgpu::ComputePipeline,
     tabulate: Option<wgpu::ComputePipeline>,
     has_tables: bool,
+    /// Azimuths at which the reference is asked what a direction along the tangent may give; Chiang's far field, which is slow, has
+    /// but R's wide lobe there.
+    azimuths: u32,
 }
 
 impl Evaluator {
@@ -162,6 +165,11 @@ impl Evaluator {
             gpu: gpu.clone(),
             queue: device.renderer.queue().clone(),
             has_tables,
+            azimuths: if matches!(shading, Shading::Chiang(_)) {
+                8
+            } else {
+                64
+            },
         }
     }
 
@@ -283,8 +291,9 @@ impl Evaluator {
             let mut expected = model.scatter(wi, wo);
             if wi.cos_theta().min(wo.cos_theta()) < ALONG {
                 let (mut low, mut high) = (expected, expected);
-                for i in 0..=8 {
-                    let phi = wi.phi + std::f64::consts::PI * f64::from(i) / 8.0;
+                for i in 0..=self.azimuths {
+                    let phi =
+                        wi.phi + std::f64::consts::PI * f64::from(i) / f64::from(self.azimuths);
                     let there = model.scatter(wi, Direction::new(wo.theta, phi));
                     (low, high) = (low.min(there), high.max(there));
                 }
