@@ -130,6 +130,24 @@ pub struct Point {
     pub radius: f32,
 }
 
+/// No point of the host's: padding between runs; the same in WGSL.
+pub const NO_PLACE: u32 = u32::MAX;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Gather {
+    pub origin: [f32; 3],
+    pub first: u32,
+    pub origin_rest: [f32; 3],
+    pub end: u32,
+    pub shift: [f32; 3],
+    pub lowest: u32,
+    pub base: u32,
+    pub stride: u32,
+    pub pieces: u32,
+    pub count: u32,
+}
+
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PointAttributes {

@@ -4,6 +4,7 @@ pub mod capi;
 mod composite;
 pub mod error;
 mod frame;
+mod gather;
 mod geometry;
 mod gpu;
 pub mod groom;
@@ -25,6 +26,7 @@ mod view;
 
 pub use error::{Error, Result};
 pub use frame::{Frame, NO_STRAND, Outputs, Target};
+pub use gather::PointSource;
 pub use geometry::{Hair, Instance};
 pub use glam;
 pub use layout::MAX_LIGHTS;

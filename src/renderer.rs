@@ -1,18 +1,14 @@
 //! The renderer: a device's pipelines and pools, and the calls that make hair and record frames.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use crate::error::{Error, Result};
 use crate::frame::{self, Frame, Target};
+use crate::gather::{self, PointSource};
 use crate::geometry::{Geometry, Hair};
 use crate::gpu::{Gpu, Passes};
 use crate::groom::Strands;
 use crate::plan::Plan;
 use crate::resources::Resources;
 use crate::statistics::{Fragments, Statistics};
-
-/// Tells the hairs of all renderers apart.
-static SERIAL: AtomicU64 = AtomicU64::new(1);
 
 /// Renders hair on one device. Use it from one thread at a time.
 ///
@@ -51,7 +47,7 @@ impl Renderer {
             transparency: None,
             previous_world_from_object: None,
             instances: Vec::new(),
-            geometry: Geometry::new(&self.gpu, strands, SERIAL.fetch_add(1, Ordering::Relaxed))?,
+            geometry: Geometry::new(&self.gpu, strands)?,
         })
     }
 
@@ -62,6 +58,23 @@ impl Renderer {
     /// Another number of points, or a position that is not finite; the hair is then as it was.
     pub fn update_points(&mut self, hair: &mut Hair, points: &[[f32; 3]]) -> Result<()> {
         hair.geometry.update(&self.gpu, points)
+    }
+
+    /// Replaces every position of a hair by those of a buffer of the host's, which are read when `encoder` is submitted:
+    /// before, or together with, the frames that shall show them. Otherwise as [`Renderer::update_points`]; a later update
+    /// from the CPU waits for that submission. A position that is not finite leaves its point where it was.
+    ///
+    /// [`Hair::strands`] is not told of the new positions.
+    ///
+    /// # Errors
+    /// A source that does not fit: the value is named. No memory. The hair is then as it was, and nothing is recorded.
+    pub fn update_points_from(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        hair: &mut Hair,
+        source: &PointSource,
+    ) -> Result<()> {
+        gather::update(&mut self.gpu, encoder, &mut hair.geometry, source)
     }
 
     /// Limits the GPU memory that the renderer takes, in bytes; `None` lifts the limit. What is held is kept.

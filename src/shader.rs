@@ -41,6 +41,7 @@ files![
     "transparency/a_buffer_emit",
     "transparency/a_buffer_overflow",
     "composite",
+    "gather",
     "receive",
     "outputs",
     "outputs_none",

@@ -74,6 +74,7 @@ pub fn combinations() -> Vec<Combination> {
         modules.push((format!("points, shadowed {shadowed}"), points));
     }
     modules.push(("track".into(), Module::new(&["common/track"])));
+    modules.push(("gather".into(), Module::new(&["gather"])));
     for reverse in [false, true] {
         modules.push((
             format!("outputs_none {reverse}"),
@@ -161,6 +162,9 @@ pub fn layouts() -> Vec<Layout> {
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
+        Gather {
+            origin, first, origin_rest, end, shift, lowest, base, stride, pieces, count,
+        }
         PointAttributes { strand, coordinate }
         PointOutput { motion, hair, strand }
         Projected { position, depth, half_width, bisector, flags }
@@ -179,6 +183,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("POINT_FIRST", layout::POINT_FIRST),
         ("POINT_LAST", layout::POINT_LAST),
         ("POINT_STRAND", layout::POINT_STRAND),
+        ("NO_PLACE", layout::NO_PLACE),
         ("OVERFLOW_WORDS", layout::OVERFLOW_WORDS as u32),
         ("SCAN_BLOCK", layout::SCAN_BLOCK),
     ]
@@ -187,4 +192,9 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
 /// Straight pieces into which each of a groom's curved segments is cut.
 pub fn curve_pieces(strands: &crate::groom::Strands) -> u32 {
     crate::geometry::curve_pieces(strands)
+}
+
+/// A hair's points as the GPU has them, in its own order, with their origin; what fills the gaps between runs too.
+pub fn points_buffer(hair: &crate::Hair) -> (&wgpu::Buffer, glam::DVec3) {
+    (&hair.geometry.points.buffer, hair.geometry.origin)
 }

@@ -136,6 +136,29 @@ struct Point {
     radius: f32,
 }
 
+// One dispatch of `gather`: the points that come from the host's points `first` to `end`, within one run.
+struct Gather {
+    // The new origin of the hair's points, and what single precision cuts off it.
+    origin: vec3f,
+    first: u32,
+    origin_rest: vec3f,
+    end: u32,
+    // The former origin as seen from the new one.
+    shift: vec3f,
+    // The host's point that the bound part begins with, and the word at which.
+    lowest: u32,
+    base: u32,
+    // Words from one of the host's points to the next.
+    stride: u32,
+    // Straight pieces of each of the host's segments.
+    pieces: u32,
+    // Points of the run.
+    count: u32,
+}
+
+// No point of the host's: padding between runs.
+const NO_PLACE: u32 = 0xffffffffu;
+
 // `strand` holds the strand's number and the two flags below.
 struct PointAttributes {
     strand: u32,
