@@ -716,6 +716,18 @@ typedef struct PelageVulkanView {
     const struct PelageVulkanImage *colour;
     // The opaque scene's depth, of the colour's size: it hides hair. NULL for none.
     const struct PelageVulkanImage *depth;
+    // What else is written, as `PELAGE_OUTPUT_...` of a target; each NULL for none. All are of the colour's size, with
+    // `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`, and keep what they hold outside the view's rectangle: only a view that fills
+    // them takes `VK_IMAGE_LAYOUT_UNDEFINED`.
+    //
+    // The nearest fibre's depth: `VK_FORMAT_R32_SFLOAT`.
+    const struct PelageVulkanImage *nearest_depth;
+    // The part of the pixel that hair covers: `VK_FORMAT_R32_SFLOAT`, `VK_FORMAT_R16_SFLOAT` or `VK_FORMAT_R8_UNORM`.
+    const struct PelageVulkanImage *coverage;
+    // Motion on the screen: `VK_FORMAT_R32G32_SFLOAT` or `VK_FORMAT_R16G16_SFLOAT`.
+    const struct PelageVulkanImage *motion;
+    // Hair, instance and strand: `VK_FORMAT_R32G32_UINT`.
+    const struct PelageVulkanImage *ids;
 } PelageVulkanView;
 
 // A semaphore to wait on, or to signal.
@@ -1080,7 +1092,7 @@ PelageResult pelage_vulkan_render(struct PelageContext context,
 #define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }
 #define PELAGE_VULKAN_DEVICE_INIT { sizeof(PelageVulkanDevice), 0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0 }
 #define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0 }
-#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL }
+#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_VULKAN_SEMAPHORE_INIT { sizeof(PelageVulkanSemaphore), 0, 0, 0 }
 #define PELAGE_VULKAN_SUBMIT_INIT { sizeof(PelageVulkanSubmit), 0, NULL, NULL, NULL, 0, 0 }
 

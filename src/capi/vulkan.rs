@@ -20,7 +20,7 @@ use crate::error::{Result, invalid};
 use crate::geometry::Hair;
 use crate::host::vulkan::{
     DeviceDescriptor, FEATURE_STORAGE, HostInstance, Image, MAX_VIEWS, QueueLock, Semaphore, View,
-    Vulkan, requirements,
+    ViewOutputs, Vulkan, requirements,
 };
 
 // The header defines these by itself, typed where it is told to include <vulkan/vulkan.h>: see cbindgen.toml.
@@ -412,6 +412,18 @@ pub struct PelageVulkanView {
     pub colour: *const PelageVulkanImage,
     /// The opaque scene's depth, of the colour's size: it hides hair. NULL for none.
     pub depth: *const PelageVulkanImage,
+    /// What else is written, as `PELAGE_OUTPUT_...` of a target; each NULL for none. All are of the colour's size, with
+    /// `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`, and keep what they hold outside the view's rectangle: only a view that fills
+    /// them takes `VK_IMAGE_LAYOUT_UNDEFINED`.
+    ///
+    /// The nearest fibre's depth: `VK_FORMAT_R32_SFLOAT`.
+    pub nearest_depth: *const PelageVulkanImage,
+    /// The part of the pixel that hair covers: `VK_FORMAT_R32_SFLOAT`, `VK_FORMAT_R16_SFLOAT` or `VK_FORMAT_R8_UNORM`.
+    pub coverage: *const PelageVulkanImage,
+    /// Motion on the screen: `VK_FORMAT_R32G32_SFLOAT` or `VK_FORMAT_R16G16_SFLOAT`.
+    pub motion: *const PelageVulkanImage,
+    /// Hair, instance and strand: `VK_FORMAT_R32G32_UINT`.
+    pub ids: *const PelageVulkanImage,
 }
 
 impl Default for PelageVulkanView {
@@ -422,11 +434,15 @@ impl Default for PelageVulkanView {
             frame: null(),
             colour: null(),
             depth: null(),
+            nearest_depth: null(),
+            coverage: null(),
+            motion: null(),
+            ids: null(),
         }
     }
 }
 
-descriptor!(PelageVulkanView, "PELAGE_VULKAN_VIEW_INIT", depth: *const PelageVulkanImage);
+descriptor!(PelageVulkanView, "PELAGE_VULKAN_VIEW_INIT", ids: *const PelageVulkanImage);
 
 /// A binary semaphore.
 pub const PELAGE_VULKAN_SEMAPHORE_BINARY: u32 = 0;
@@ -554,6 +570,7 @@ pub unsafe extern "C" fn pelage_vulkan_render(
                     write_depth: view.flags & PELAGE_RENDER_WRITE_DEPTH != 0,
                     receive_shadow: view.flags & PELAGE_RENDER_RECEIVE_SHADOW != 0,
                     rectangle: view.frame.rectangle,
+                    outputs: view.outputs(),
                 })
                 .collect();
             // SAFETY: images and semaphores are what the host says they are, and it keeps them until the GPU is done.
@@ -567,7 +584,21 @@ struct GivenView<'a> {
     frame: GivenFrame<'a>,
     colour: Image,
     depth: Option<Image>,
+    /// Nearest depth, coverage, motion and ids.
+    outputs: [Option<Image>; 4],
     flags: u32,
+}
+
+impl GivenView<'_> {
+    fn outputs(&self) -> ViewOutputs<'_> {
+        let [nearest_depth, coverage, motion, ids] = self.outputs.each_ref().map(Option::as_ref);
+        ViewOutputs {
+            nearest_depth,
+            coverage,
+            motion,
+            ids,
+        }
+    }
 }
 
 unsafe fn read_views<'a>(
@@ -579,14 +610,23 @@ unsafe fn read_views<'a>(
     let read = |(at, given): (usize, &PelageVulkanView)| {
         let name = |what: &str| format!("views[{at}]: {what}");
         let flags = flags(&name("flags"), given.flags, ALL_FLAGS)?;
+        let optional = |what: &str, pointer| -> Result<Option<Image>> {
+            // SAFETY: as above.
+            let read = unsafe { descriptor::read_optional(&name(what), pointer) }?;
+            Ok(read.as_ref().map(image))
+        };
         // SAFETY: as above.
         unsafe {
             Ok(GivenView {
                 frame: GivenFrame::read(given.frame)?,
                 colour: image(&descriptor::read(&name("colour"), given.colour)?),
-                depth: descriptor::read_optional(&name("depth"), given.depth)?
-                    .as_ref()
-                    .map(image),
+                depth: optional("depth", given.depth)?,
+                outputs: [
+                    optional("nearest_depth", given.nearest_depth)?,
+                    optional("coverage", given.coverage)?,
+                    optional("motion", given.motion)?,
+                    optional("ids", given.ids)?,
+                ],
                 flags,
             })
         }

@@ -3,6 +3,7 @@
  * first argument is what to do:
  *
  *     compare     pictures on the host's device and on one of the library's own are equal
+ *     outputs     depth, coverage, motion and ids beside the colour, in a rectangle too, are the library's own
  *     formats     every format of colour and depth, many layouts, binary semaphores
  *     backlog     more frames than may be on their way
  *     refusals    what is wrong is refused with a sentence
@@ -627,6 +628,157 @@ static void compare(void) {
     OK(pelage_context_destroy(context));
 }
 
+/* Fills an image with one value, and brings it into the layout that the library is told of. */
+static void fill_image(struct Texture *texture, const VkClearColorValue *value) {
+    VkCommandBuffer commands = begin();
+    VkImageSubresourceRange range = { VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1 };
+    move(commands, texture, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdClearColorImage(commands, texture->image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, value, 1, &range);
+    move(commands, texture, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, texture->image.layout_in);
+    submit(commands, VK_NULL_HANDLE, VK_NULL_HANDLE, 1);
+}
+
+/* What an output's image holds at a pixel, as numbers, and by how much its format may round. */
+static void decode_output(VkFormat format, const uint8_t *bytes, int at, double out[2], double *rounding) {
+    uint32_t words[2];
+    uint16_t halves[2];
+    float floats[2];
+    *rounding = 0.0;
+    out[1] = 0.0;
+    switch (format) {
+    case VK_FORMAT_R32_SFLOAT:
+        memcpy(floats, bytes + 4 * at, 4);
+        out[0] = (double)floats[0];
+        break;
+    case VK_FORMAT_R32G32_SFLOAT:
+        memcpy(floats, bytes + 8 * at, 8);
+        out[0] = (double)floats[0];
+        out[1] = (double)floats[1];
+        break;
+    case VK_FORMAT_R16_SFLOAT:
+        memcpy(halves, bytes + 2 * at, 2);
+        out[0] = (double)half(halves[0]);
+        *rounding = 1.0 / 1024.0;
+        break;
+    case VK_FORMAT_R16G16_SFLOAT:
+        memcpy(halves, bytes + 4 * at, 4);
+        out[0] = (double)half(halves[0]);
+        out[1] = (double)half(halves[1]);
+        *rounding = 1.0 / 128.0; /* motion of up to sixteen pixels */
+        break;
+    case VK_FORMAT_R8_UNORM:
+        out[0] = (double)bytes[at] / 255.0;
+        *rounding = 0.51 / 255.0;
+        break;
+    default:
+        memcpy(words, bytes + 8 * at, 8);
+        out[0] = (double)words[0];
+        out[1] = (double)words[1];
+    }
+}
+
+enum { OUTPUTS = 4 };
+static uint8_t own_outputs[OUTPUTS][SIDE * SIDE * 8];
+
+/* Outputs beside the colour, of a hair that has moved, into the whole images and into a part of them. */
+static void outputs(void) {
+    static const VkFormat FORMATS[3][OUTPUTS] = {
+        { VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_R32G32_UINT },
+        { VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT, VK_FORMAT_R16G16_SFLOAT, VK_FORMAT_R32G32_UINT },
+        { VK_FORMAT_R32_SFLOAT, VK_FORMAT_R8_UNORM, VK_FORMAT_UNDEFINED, VK_FORMAT_UNDEFINED },
+    };
+    static const VkImageLayout LAYOUTS[3] = { VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL };
+    static const VkFormat OWN[OUTPUTS] = { VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_R32G32_UINT };
+    static const uint32_t PART[4] = { 9, 5, 40, 48 };
+    const double before[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.02, 0.01, 0, 1 };
+    PelageContextDescriptor descriptor = PELAGE_CONTEXT_DESCRIPTOR_INIT;
+    descriptor.force_software = 1;
+    PelageContext own = { 0 }, context = open_context();
+    OK(pelage_context_create(&descriptor, &own));
+    struct Scene ours, theirs;
+    make_scene(&ours, own, 800, 0);
+    make_scene(&theirs, context, 800, 0);
+    OK(pelage_hair_set_previous_transform(ours.hair, before));
+    OK(pelage_hair_set_previous_transform(theirs.hair, before));
+    for (int way = 0; way < 3; way++) {
+        if (way > 0) {
+            memcpy(ours.view.rectangle, PART, sizeof PART);
+            memcpy(theirs.view.rectangle, PART, sizeof PART);
+        }
+        PelageTargetDescriptor image = PELAGE_TARGET_DESCRIPTOR_INIT;
+        PelageTarget target;
+        image.width = image.height = SIDE;
+        image.format = PELAGE_FORMAT_RGBA32F;
+        image.outputs = PELAGE_OUTPUT_NEAREST_DEPTH | PELAGE_OUTPUT_COVERAGE | PELAGE_OUTPUT_MOTION | PELAGE_OUTPUT_IDS;
+        OK(pelage_target_create(own, &image, &target));
+        OK(pelage_render(own, &ours.frame, target, PELAGE_RENDER_CLEAR));
+        OK(pelage_target_read_colour(target, expected, sizeof expected));
+        for (int which = 0; which < OUTPUTS; which++) {
+            OK(pelage_target_read_output(target, 1u << which, own_outputs[which], SIDE * SIDE * (which < 2 ? 4 : 8)));
+        }
+        OK(pelage_target_destroy(target));
+
+        struct Texture colour = make_texture(VK_FORMAT_R32G32B32A32_SFLOAT, SIDE, SIDE), images[OUTPUTS];
+        colour.image.layout_in = VK_IMAGE_LAYOUT_UNDEFINED;
+        PelageVulkanView view = view_of(&theirs, &colour, NULL, PELAGE_RENDER_CLEAR);
+        const PelageVulkanImage **fields[OUTPUTS] = { &view.nearest_depth, &view.coverage, &view.motion, &view.ids };
+        for (int which = 0; which < OUTPUTS; which++) {
+            if (!FORMATS[way][which]) {
+                continue;
+            }
+            images[which] = make_texture(FORMATS[way][which], SIDE, SIDE);
+            images[which].image.layout_in = LAYOUTS[way];
+            images[which].image.layout_out = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+            VkClearColorValue value = { .float32 = { 0.75f, 0.75f, 0.75f, 0.75f } };
+            if (which == 3) {
+                value.uint32[0] = value.uint32[1] = 42;
+            }
+            if (LAYOUTS[way]) {
+                fill_image(&images[which], &value);
+            }
+            *fields[which] = &images[which].image;
+        }
+        OK(render(context, &view, 1));
+        int hair = 0, wrong = 0, moved = 0, kept = 0;
+        read_back(&colour, colour.image.layout_out, VK_IMAGE_ASPECT_COLOR_BIT, VK_NULL_HANDLE);
+        for (int at = 0; at < SIDE * SIDE * 4; at++) {
+            wrong += fabsf(((const float *)host.bytes)[at] - expected[at]) > 1e-4f;
+        }
+        for (int which = 0; which < OUTPUTS; which++) {
+            if (!FORMATS[way][which]) {
+                continue;
+            }
+            read_back(&images[which], images[which].image.layout_out, VK_IMAGE_ASPECT_COLOR_BIT, VK_NULL_HANDLE);
+            for (int at = 0; at < SIDE * SIDE; at++) {
+                uint32_t x = (uint32_t)(at % SIDE), y = (uint32_t)(at / SIDE);
+                int inside = way == 0 || (x - PART[0] < PART[2] && y - PART[1] < PART[3]);
+                double is[2], shall[2], rounding, none;
+                decode_output(FORMATS[way][which], host.bytes, at, is, &rounding);
+                decode_output(OWN[which], own_outputs[which], at, shall, &none);
+                if (!inside) {
+                    wrong += fabs(is[0] - (which == 3 ? 42.0 : 0.75)) > rounding;
+                    kept++;
+                    continue;
+                }
+                wrong += fabs(is[0] - shall[0]) > rounding + (which == 3 ? 0.0 : 1e-4) || fabs(is[1] - shall[1]) > rounding + (which == 3 ? 0.0 : 1e-4);
+                hair += which == 1 && is[0] > 0.1;
+                moved += which == 2 && fabs(is[0]) > 1.0;
+            }
+        }
+        printf("outputs %d: %d values are wrong, %d pixels of hair, %d moved, %d kept\n", way, wrong, hair, moved, kept);
+        TRUE(wrong == 0 && hair > 200 && (moved > 200 || way == 2) && (kept > 1000 || way == 0));
+        OK(pelage_wait(context));
+        destroy_texture(&colour);
+        for (int which = 0; which < OUTPUTS; which++) {
+            if (FORMATS[way][which]) {
+                destroy_texture(&images[which]);
+            }
+        }
+    }
+    OK(pelage_context_destroy(own));
+    OK(pelage_context_destroy(context));
+}
+
 /* A format's pixel, and how far rounding may take it. */
 static void decode(VkFormat format, const uint8_t *at, float pixel[3], float *absolute, float *relative) {
     uint32_t word;
@@ -836,6 +988,8 @@ static void refusals(void) {
     make_scene(&scene, context, 50, 0);
     make_scene(&foreign, own, 50, 0);
     struct Texture good_colour = make_texture(VK_FORMAT_R16G16B16A16_SFLOAT, SIDE, SIDE), good_depth = make_texture(VK_FORMAT_D32_SFLOAT, SIDE, SIDE);
+    struct Texture good_output = make_texture(VK_FORMAT_R32_SFLOAT, SIDE, SIDE);
+    const uint32_t part[4] = { 8, 8, 16, 16 };
     VkSemaphoreCreateInfo info = { .sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO };
     VkSemaphore semaphore;
     VK(vkCreateSemaphore(the_device, &info, NULL, &semaphore));
@@ -860,6 +1014,19 @@ static void refusals(void) {
     WITH(WRONG, "colour: layout_out is VK_IMAGE_LAYOUT_UNDEFINED", colour.image.layout_out = VK_IMAGE_LAYOUT_UNDEFINED);
     WITH(WRONG, "depth: layout_in 9999", depth.image.layout_in = 9999);
     WITH(WRONG, "depth is the same image as colour", depth.image.image = colour.image.image);
+    WITH(WRONG, "coverage: format D32_SFLOAT", view.coverage = &depth.image);
+    WITH(WRONG, "ids: format R16G16B16A16_SFLOAT", view.ids = &colour.image);
+    WITH(WRONG, "motion: the image is NULL", colour.image.format = VK_FORMAT_R16G16_SFLOAT; colour.image.image = VK_NULL_HANDLE;
+         view.colour = &good_colour.image; view.motion = &colour.image);
+    WITH(WRONG, "nearest_depth is the same image as colour", colour.image.format = VK_FORMAT_R32_SFLOAT; view.colour = &good_colour.image;
+         view.nearest_depth = &colour.image);
+    WITH(WRONG, "coverage: layout_in is VK_IMAGE_LAYOUT_UNDEFINED", depth.image = good_output.image; view.depth = NULL;
+         view.coverage = &depth.image; depth.image.layout_in = VK_IMAGE_LAYOUT_UNDEFINED; memcpy(scene.view.rectangle, part, sizeof part));
+    memset(scene.view.rectangle, 0, sizeof part);
+    WITH(WRONG, "the target's coverage is 32", depth.image = good_output.image; view.depth = NULL; view.coverage = &depth.image;
+         depth.image.width = 32);
+    WITH(WRONG, "coverage: the image's usage lacks VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT", depth.image = good_output.image; view.depth = NULL;
+         view.coverage = &depth.image; depth.image.usage = VK_IMAGE_USAGE_SAMPLED_BIT);
     WITH(WRONG, "struct_size 3", colour.image.struct_size = 3);
     WITH(WRONG, "colour is NULL", view.colour = NULL);
     WITH(WRONG, "frame is NULL", view.frame = NULL);
@@ -927,6 +1094,7 @@ static void refusals(void) {
     OK(pelage_context_destroy(context));
     OK(pelage_context_destroy(own));
     vkDestroySemaphore(the_device, semaphore, NULL);
+    destroy_texture(&good_output);
     destroy_texture(&good_colour);
     destroy_texture(&good_depth);
 }
@@ -1116,7 +1284,7 @@ static void hazard(void) {
 int main(int argc, char **argv) {
     const char *what = argc > 1 ? argv[1] : "";
     static const struct { const char *name; void (*run)(void); } runs[] = {
-        { "compare", compare }, { "formats", formats }, { "backlog", backlog }, { "refusals", refusals }, { "short", short_devices },
+        { "compare", compare }, { "outputs", outputs }, { "formats", formats }, { "backlog", backlog }, { "refusals", refusals }, { "short", short_devices },
         { "lock", locks }, { "lost", lost }, { "hazard", hazard },
     };
     int ran = 0;

@@ -275,7 +275,11 @@ fn initialisers() -> String {
         flags,
         frame,
         colour,
-        depth
+        depth,
+        nearest_depth,
+        coverage,
+        motion,
+        ids
     );
     initialiser!(
         PelageVulkanSemaphore,

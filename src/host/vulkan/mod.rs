@@ -26,7 +26,7 @@ pub use requirements::{FEATURE_STORAGE, Requirements, requirements};
 
 use self::image::Wrapped;
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Target};
+use crate::frame::{Frame, Outputs, Target};
 use crate::renderer::Renderer;
 use crate::resources::RING;
 
@@ -53,6 +53,33 @@ pub struct View<'a> {
     pub receive_shadow: bool,
     /// As of [`Target::rectangle`].
     pub rectangle: Option<[u32; 4]>,
+    /// What else is written.
+    pub outputs: ViewOutputs<'a>,
+}
+
+/// The host's images for [`crate::Outputs`], all of the colour's size, with the usage `COLOR_ATTACHMENT`. What they hold
+/// outside the view's rectangle is kept, so that only a view that fills them takes the layout `UNDEFINED`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ViewOutputs<'a> {
+    /// `R32_SFLOAT`.
+    pub nearest_depth: Option<&'a Image>,
+    /// `R32_SFLOAT`, `R16_SFLOAT` or `R8_UNORM`.
+    pub coverage: Option<&'a Image>,
+    /// `R32G32_SFLOAT` or `R16G16_SFLOAT`.
+    pub motion: Option<&'a Image>,
+    /// `R32G32_UINT`.
+    pub ids: Option<&'a Image>,
+}
+
+impl<'a> ViewOutputs<'a> {
+    fn images(&self) -> [(Aspect, Option<&'a Image>); 4] {
+        [
+            (Aspect::NearestDepth, self.nearest_depth),
+            (Aspect::Coverage, self.coverage),
+            (Aspect::Motion, self.motion),
+            (Aspect::Ids, self.ids),
+        ]
+    }
 }
 
 /// A context on the host's device.
@@ -192,7 +219,15 @@ impl Vulkan {
             .depth
             .map(|image| wrap(image, Aspect::Depth))
             .transpose()?;
-        let images = || [Some(&colour), depth.as_ref()].into_iter().flatten();
+        let mut outputs = [const { None }; 4];
+        for (output, (aspect, image)) in outputs.iter_mut().zip(view.outputs.images()) {
+            *output = image.map(|image| wrap(image, aspect)).transpose()?;
+        }
+        let images = || {
+            let given = [Some(&colour), depth.as_ref()].into_iter();
+            given.chain(outputs.iter().map(Option::as_ref)).flatten()
+        };
+        let output = |at: usize| outputs[at].as_ref().map(|output| &output.texture);
 
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("pelage.vulkan"),
@@ -204,7 +239,12 @@ impl Vulkan {
             write_depth: view.write_depth,
             receive_shadow: view.receive_shadow,
             rectangle: view.rectangle,
-            outputs: Default::default(),
+            outputs: Outputs {
+                nearest_depth: output(0),
+                coverage: output(1),
+                motion: output(2),
+                ids: output(3),
+            },
         };
         renderer.record(&mut encoder, view.frame, &target)?;
         encoder.transition_resources(
@@ -300,19 +340,33 @@ impl View<'_> {
                 "colour: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds; clear it, or name its layout"
             );
         }
-        let Some(depth) = self.depth else {
-            return Ok(());
-        };
-        depth.validate(Aspect::Depth, formats)?;
-        if depth.layout_in == vk::ImageLayout::UNDEFINED {
-            return invalid!(
-                "depth: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds"
-            );
-        }
-        if depth.image == self.colour.image {
-            return invalid!("depth is the same image as colour");
+        let vk::Extent2D { width, height } = self.colour.extent;
+        let fills = self
+            .rectangle
+            .is_none_or(|area| area == [0, 0, width, height]);
+        let mut seen = vec![(Aspect::Colour, self.colour)];
+        for (aspect, image) in self.others() {
+            image.validate(aspect, formats)?;
+            let name = aspect.name();
+            let kept = aspect == Aspect::Depth || !fills;
+            if image.layout_in == vk::ImageLayout::UNDEFINED && kept {
+                return invalid!(
+                    "{name}: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds"
+                );
+            }
+            if let Some((other, _)) = seen.iter().find(|(_, other)| other.image == image.image) {
+                return invalid!("{name} is the same image as {}", other.name());
+            }
+            seen.push((aspect, image));
         }
         Ok(())
+    }
+
+    /// The images that are given beside the colour.
+    fn others(&self) -> impl Iterator<Item = (Aspect, &Image)> {
+        std::iter::once((Aspect::Depth, self.depth))
+            .chain(self.outputs.images())
+            .filter_map(|(aspect, image)| Some((aspect, image?)))
     }
 }
 
