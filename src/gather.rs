@@ -11,8 +11,9 @@ use crate::gpu::{Allocation, Gpu, Group, PipelineKey, workgroups};
 use crate::layout::{Gather, NO_PLACE};
 use crate::shader::Module;
 
+const LABEL: &str = "pelage.geometry.gather";
 /// Bytes of a position: three floats.
-const POSITION: u64 = 12;
+pub(crate) const POSITION: u64 = 12;
 
 /// Positions in a buffer of the host's: three 32-bit floats a point, in the groom's own space, strand after strand, root
 /// first.
@@ -128,47 +129,49 @@ fn places(geometry: &Geometry) -> Vec<u32> {
     places
 }
 
-/// Records the copy of the points to those of the frame before, and the pass that replaces them.
-pub(crate) fn update(
+/// A gathering that lacks nothing but an encoder.
+pub(crate) struct Gathering {
+    pipeline: wgpu::ComputePipeline,
+    dispatches: Vec<(wgpu::BindGroup, (u32, u32))>,
+    bounds: [DVec3; 2],
+}
+
+/// Makes all that a gathering needs; `None` where there is nothing to gather.
+pub(crate) fn prepare(
     gpu: &mut Gpu,
-    encoder: &mut wgpu::CommandEncoder,
     geometry: &mut Geometry,
     source: &PointSource,
-) -> Result<()> {
+) -> Result<Option<Gathering>> {
     let count = geometry.strands.points().len() as u64;
     let limit = gpu.max_binding();
     source.validate(count, limit)?;
     if count == 0 {
-        return Ok(());
+        return Ok(None);
     }
-    let label = "pelage.geometry.gather";
-    let pipeline = gpu.compute(PipelineKey::new(label), "gather", &[Group::Gather], || {
+    let pipeline = gpu.compute(PipelineKey::new(LABEL), "gather", &[Group::Gather], || {
         Module::new(&["gather"])
     })?;
-    if geometry.places.is_none() {
-        let places = places(geometry);
-        let bytes = bytemuck::cast_slice(&places);
-        let buffer = gpu.storage("pelage.geometry.places", bytes.len() as u64)?;
-        gpu.queue.write_buffer(&buffer.buffer, 0, bytes);
-        geometry.places = Some(buffer);
-    }
     geometry.keep_previous(gpu)?;
-    let (Some(places), Some((previous, previous_origin))) =
-        (&geometry.places, &mut geometry.previous)
-    else {
+    if geometry.places.is_none() {
+        let places = gpu.filled(
+            "pelage.geometry.places",
+            bytemuck::cast_slice(&places(geometry)),
+        )?;
+        geometry.places = Some(places);
+    }
+    let Some(places) = &geometry.places else {
         return Err(Error::Internal("the hair has no places".into()));
     };
-
     let [low, high] = source.bounds;
     let origin = 0.5 * (low + high);
-    let alignment = u64::from(gpu.limits.min_storage_buffer_offset_alignment).max(4);
+    let alignment = alignment(gpu);
     let windows = windows(count, source.offset, source.stride, alignment, limit);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let mut dispatches = Vec::new();
     for run in &geometry.runs {
         for window in &windows {
             let uniform = gpu.uniform(
-                label,
+                LABEL,
                 bytemuck::bytes_of(&Gather {
                     origin: origin.as_vec3().into(),
                     first: window.first as u32,
@@ -183,7 +186,7 @@ pub(crate) fn update(
                 }),
             )?;
             let group = gpu.bind(
-                label,
+                LABEL,
                 Group::Gather,
                 &[
                     uniform.binding(),
@@ -199,25 +202,56 @@ pub(crate) fn update(
     if let Some(error) = pollster::block_on(scope.pop()) {
         return invalid!("the buffer cannot be read: {error}");
     }
+    Ok(Some(Gathering {
+        pipeline,
+        dispatches,
+        bounds: source.bounds,
+    }))
+}
 
-    let size = geometry.points.size();
-    encoder.copy_buffer_to_buffer(&geometry.points.buffer, 0, &previous.buffer, 0, Some(size));
-    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-        label: Some(label),
-        timestamp_writes: None,
-    });
-    pass.set_pipeline(&pipeline);
-    for (group, (x, y)) in &dispatches {
-        pass.set_bind_group(1, group, &[]);
-        pass.dispatch_workgroups(*x, *y, 1);
+impl Gathering {
+    /// Records the copy of the points to those of the frame before, and the pass that replaces them.
+    pub fn record(self, encoder: &mut wgpu::CommandEncoder, geometry: &mut Geometry) {
+        let Some((previous, previous_origin)) = &mut geometry.previous else {
+            return;
+        };
+        let (points, size) = (&geometry.points.buffer, geometry.points.size());
+        encoder.copy_buffer_to_buffer(points, 0, &previous.buffer, 0, Some(size));
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(LABEL),
+            timestamp_writes: None,
+        });
+        pass.set_pipeline(&self.pipeline);
+        for (group, (x, y)) in &self.dispatches {
+            pass.set_bind_group(1, group, &[]);
+            pass.dispatch_workgroups(*x, *y, 1);
+        }
+        drop(pass);
+        let [low, high] = self.bounds;
+        *previous_origin = geometry.origin;
+        geometry.origin = 0.5 * (low + high);
+        geometry.half_extent = 0.5 * (high - low);
+        geometry.moved = true;
+        geometry.gathered = true;
     }
-    drop(pass);
-    *previous_origin = geometry.origin;
-    geometry.origin = origin;
-    geometry.half_extent = 0.5 * (high - low);
-    geometry.moved = true;
-    geometry.gathered = true;
+}
+
+/// Records the replacement of a hair's points.
+pub(crate) fn update(
+    gpu: &mut Gpu,
+    encoder: &mut wgpu::CommandEncoder,
+    geometry: &mut Geometry,
+    source: &PointSource,
+) -> Result<()> {
+    if let Some(gathering) = prepare(gpu, geometry, source)? {
+        gathering.record(encoder, geometry);
+    }
     Ok(())
+}
+
+/// Bytes to whose multiples bound parts begin.
+pub(crate) fn alignment(gpu: &Gpu) -> u64 {
+    u64::from(gpu.limits.min_storage_buffer_offset_alignment).max(4)
 }
 
 /// A run's part of a buffer of `each` bytes a point.
@@ -226,7 +260,7 @@ fn own<'a>(allocation: &'a Allocation, run: &Run, each: u64) -> wgpu::BindingRes
     part(&allocation.buffer, first * each, count * each)
 }
 
-fn part(buffer: &wgpu::Buffer, offset: u64, size: u64) -> wgpu::BindingResource<'_> {
+pub(crate) fn part(buffer: &wgpu::Buffer, offset: u64, size: u64) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
         buffer,
         offset,

@@ -8,6 +8,7 @@ use glam::{DMat4, DVec3, Vec3};
 use crate::error::{Error, Result, invalid};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::groom::{Curve, Strands, tessellate};
+use crate::guided::Guiding;
 use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttributes, Projected};
 use crate::plan::Plan;
 use crate::resources::Bound;
@@ -103,6 +104,8 @@ pub(crate) struct Geometry {
     pub gathered: bool,
     /// Which of the host's points each point comes from, once that has been asked for.
     pub places: Option<Allocation>,
+    /// The guides that it follows.
+    pub guiding: Option<Guiding>,
 }
 
 impl Hair {
@@ -224,6 +227,7 @@ impl Geometry {
             moved: false,
             gathered: false,
             places: None,
+            guiding: None,
         })
     }
 

@@ -21,13 +21,14 @@ pub(crate) enum Group {
     Track,
     PointOutputs,
     Gather,
+    Guided,
     MapsWritten,
     MapsRead,
     PixelsWritten,
     PixelsRead,
 }
 
-const GROUPS: [Group; 12] = [
+const GROUPS: [Group; 13] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
@@ -36,6 +37,7 @@ const GROUPS: [Group; 12] = [
     Group::Track,
     Group::PointOutputs,
     Group::Gather,
+    Group::Guided,
     Group::MapsWritten,
     Group::MapsRead,
     Group::PixelsWritten,
@@ -55,7 +57,8 @@ impl Group {
             | Self::Shade
             | Self::Track
             | Self::PointOutputs
-            | Self::Gather => 1,
+            | Self::Gather
+            | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
             Self::PixelsWritten | Self::PixelsRead => 3,
         }
@@ -114,6 +117,9 @@ impl Group {
             Self::PointOutputs => vec![storage(0, Stages::FRAGMENT, true)],
             Self::Gather => std::iter::once(uniform(0, false))
                 .chain((1..5).map(|binding| storage(binding, Stages::COMPUTE, binding < 4)))
+                .collect(),
+            Self::Guided => std::iter::once(uniform(0, false))
+                .chain((1..7).map(|binding| storage(binding, Stages::COMPUTE, binding < 6)))
                 .collect(),
             Self::MapsWritten => vec![storage(0, raster, false)],
             Self::MapsRead => vec![storage(0, raster, true)],
@@ -316,6 +322,12 @@ impl Gpu {
     /// Makes a uniform block for one command buffer: it holds `bytes` from the start, whatever is written to the queue.
     pub fn uniform(&self, label: &'static str, bytes: &[u8]) -> Result<Allocation> {
         let usage = wgpu::BufferUsages::UNIFORM;
+        self.allocate_filled(label, bytes.len() as u64, usage, bytes)
+    }
+
+    /// Makes a storage buffer that holds `bytes` from the start.
+    pub fn filled(&self, label: &'static str, bytes: &[u8]) -> Result<Allocation> {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         self.allocate_filled(label, bytes.len() as u64, usage, bytes)
     }
 

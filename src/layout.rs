@@ -149,6 +149,34 @@ pub struct Gather {
 }
 
 #[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+pub struct Guided {
+    pub source_base: u32,
+    pub stride: u32,
+    pub count: u32,
+    pub points_each: u32,
+    pub followers: u32,
+    pub followers_base: u32,
+    pub strands_base: u32,
+    pub first_guide: u32,
+    pub tip_factor: f32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+    pub padding_2: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Placement {
+    pub root: [f32; 3],
+    pub guide_0: u32,
+    pub tip: [f32; 3],
+    pub guide_1: u32,
+    pub stray: [f32; 3],
+    pub guide_2: u32,
+}
+
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PointAttributes {
     pub strand: u32,

@@ -8,6 +8,7 @@ mod gather;
 mod geometry;
 mod gpu;
 pub mod groom;
+mod guided;
 pub mod host;
 mod layout;
 mod light;

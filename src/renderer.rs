@@ -5,7 +5,8 @@ use crate::frame::{self, Frame, Target};
 use crate::gather::{self, PointSource};
 use crate::geometry::{Geometry, Hair};
 use crate::gpu::{Gpu, Passes};
-use crate::groom::Strands;
+use crate::groom::{GuidedStrands, Strands};
+use crate::guided::{self, Guiding};
 use crate::plan::Plan;
 use crate::resources::Resources;
 use crate::statistics::{Fragments, Statistics};
@@ -75,6 +76,46 @@ impl Renderer {
         source: &PointSource,
     ) -> Result<()> {
         gather::update(&mut self.gpu, encoder, &mut hair.geometry, source)
+    }
+
+    /// Uploads strands that remember their guides, so that these can be moved instead of them: a hair as
+    /// [`Renderer::create_hair`] makes it, with 12 bytes more a point, and 48 a strand on a mesh or 24 a follower.
+    ///
+    /// # Errors
+    /// As [`Renderer::create_hair`]; guides that are too large for the device's bindings.
+    pub fn create_guided_hair(&mut self, strands: &GuidedStrands) -> Result<Hair> {
+        let mut hair = self.create_hair(strands.strands())?;
+        hair.geometry.guiding = Some(Guiding::new(&self.gpu, strands)?);
+        Ok(hair)
+    }
+
+    /// Moves the guides of a hair, and all its strands after them: [`GuidedStrands::follow`] on the GPU. Otherwise as
+    /// [`Renderer::update_points_from`], with which it can alternate.
+    ///
+    /// # Errors
+    /// A hair without guides; another number of points than the guides have; a position that is not finite; no memory. The
+    /// hair is then as it was, and nothing is recorded.
+    pub fn update_guides(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        hair: &mut Hair,
+        points: &[[f32; 3]],
+    ) -> Result<()> {
+        guided::update(&mut self.gpu, encoder, &mut hair.geometry, points)
+    }
+
+    /// As [`Renderer::update_guides`], with the guides' points from a buffer of the host's. The source's bounds are those of
+    /// the guides: what stands out from them is added, as long as guides keep their length.
+    ///
+    /// # Errors
+    /// A hair without guides; a source that does not fit; no memory. The hair is then as it was, and nothing is recorded.
+    pub fn update_guides_from(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        hair: &mut Hair,
+        source: &PointSource,
+    ) -> Result<()> {
+        guided::update_from(&mut self.gpu, encoder, &mut hair.geometry, source)
     }
 
     /// Limits the GPU memory that the renderer takes, in bytes; `None` lifts the limit. What is held is kept.

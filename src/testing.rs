@@ -74,7 +74,15 @@ pub fn combinations() -> Vec<Combination> {
         modules.push((format!("points, shadowed {shadowed}"), points));
     }
     modules.push(("track".into(), Module::new(&["common/track"])));
-    modules.push(("gather".into(), Module::new(&["gather"])));
+    for stem in [
+        "gather",
+        "guided",
+        "guided_mesh",
+        "guided_frames",
+        "guided_clumps",
+    ] {
+        modules.push((stem.into(), Module::new(&[stem])));
+    }
     for reverse in [false, true] {
         modules.push((
             format!("outputs_none {reverse}"),
@@ -165,6 +173,11 @@ pub fn layouts() -> Vec<Layout> {
         Gather {
             origin, first, origin_rest, end, shift, lowest, base, stride, pieces, count,
         }
+        Guided {
+            source_base, stride, count, points_each, followers, followers_base, strands_base, first_guide, tip_factor,
+            padding_0, padding_1, padding_2,
+        }
+        Placement { root, guide_0, tip, guide_1, stray, guide_2 }
         PointAttributes { strand, coordinate }
         PointOutput { motion, hair, strand }
         Projected { position, depth, half_width, bisector, flags }
@@ -197,4 +210,9 @@ pub fn curve_pieces(strands: &crate::groom::Strands) -> u32 {
 /// A hair's points as the GPU has them, in its own order, with their origin; what fills the gaps between runs too.
 pub fn points_buffer(hair: &crate::Hair) -> (&wgpu::Buffer, glam::DVec3) {
     (&hair.geometry.points.buffer, hair.geometry.origin)
+}
+
+/// Half the size of the box that a hair is said to fill, around that origin.
+pub fn half_extent(hair: &crate::Hair) -> glam::DVec3 {
+    hair.geometry.half_extent
 }

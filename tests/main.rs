@@ -5,6 +5,7 @@ mod common;
 mod composite;
 mod frame;
 mod groom;
+mod guided;
 mod moving;
 mod outputs;
 mod raster;

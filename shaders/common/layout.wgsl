@@ -159,6 +159,38 @@ struct Gather {
 // No point of the host's: padding between runs.
 const NO_PLACE: u32 = 0xffffffffu;
 
+// One dispatch of the shaders `guided…`.
+struct Guided {
+    // The word at which the source's first position begins, and words from one to the next.
+    source_base: u32,
+    stride: u32,
+    // Invocations.
+    count: u32,
+    // Points of every guide and strand on a mesh.
+    points_each: u32,
+    // Followers of each guide.
+    followers: u32,
+    // The words at which the first follower and the first strand of this dispatch begin, and the guide that it begins with.
+    followers_base: u32,
+    strands_base: u32,
+    first_guide: u32,
+    // The followers' distance at the tip over that at the root.
+    tip_factor: f32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+// A strand between three guides: their weights at the root and at the tip, and the tip's displacement over its length.
+struct Placement {
+    root: vec3f,
+    guide_0: u32,
+    tip: vec3f,
+    guide_1: u32,
+    stray: vec3f,
+    guide_2: u32,
+}
+
 // `strand` holds the strand's number and the two flags below.
 struct PointAttributes {
     strand: u32,
