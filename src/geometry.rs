@@ -121,6 +121,11 @@ impl Hair {
         self.geometry.moved = false;
     }
 
+    /// Whether the points were last given by the GPU, so that [`Hair::strands`] does not have them.
+    pub fn moved_on_gpu(&self) -> bool {
+        self.geometry.gathered
+    }
+
     pub(crate) fn validate(&self, number: usize) -> Result<()> {
         if !self.world_from_object.is_finite() {
             return invalid!("hair {number}: world_from_object has an element that is not finite");

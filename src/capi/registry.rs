@@ -95,6 +95,25 @@ impl Host {
         }
     }
 
+    /// Records commands: submitted at once on the library's own device, on the host's before the views of the next frame.
+    pub fn record_ahead(
+        &mut self,
+        call: impl FnOnce(&mut Renderer, &mut wgpu::CommandEncoder) -> Result<()>,
+    ) -> Result<()> {
+        match self {
+            Self::Offscreen(offscreen) => {
+                let renderer = &mut offscreen.renderer;
+                let mut encoder = renderer
+                    .device()
+                    .create_command_encoder(&Default::default());
+                call(renderer, &mut encoder)?;
+                renderer.queue().submit([encoder.finish()]);
+                Ok(())
+            }
+            Self::Vulkan(vulkan) => vulkan.record_ahead(call),
+        }
+    }
+
     pub fn adapter_info(&self) -> &wgpu::AdapterInfo {
         match self {
             Self::Offscreen(offscreen) => offscreen.adapter_info(),

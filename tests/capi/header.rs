@@ -282,6 +282,17 @@ fn initialisers() -> String {
         ids
     );
     initialiser!(
+        PelageVulkanPoints,
+        "PELAGE_VULKAN_POINTS_INIT",
+        usage,
+        buffer,
+        size,
+        offset,
+        stride,
+        low,
+        high
+    );
+    initialiser!(
         PelageVulkanSemaphore,
         "PELAGE_VULKAN_SEMAPHORE_INIT",
         kind,

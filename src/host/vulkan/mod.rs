@@ -9,6 +9,7 @@
 //! its last. So a host that submits to the same queue before and after needs no semaphore at all, and one that uses
 //! another queue needs nothing but semaphores.
 
+mod buffer;
 mod device;
 mod image;
 mod queue;
@@ -19,6 +20,7 @@ use std::sync::{Arc, OnceLock};
 pub use ash;
 use ash::vk;
 
+pub use buffer::Points;
 pub use device::{DeviceDescriptor, HostInstance};
 pub use image::{Aspect, Image, colour_formats, depth_formats};
 pub use queue::{QueueLock, Semaphore};
@@ -27,6 +29,8 @@ pub use requirements::{FEATURE_STORAGE, Requirements, requirements};
 use self::image::Wrapped;
 use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, Outputs, Target};
+use crate::gather::PointSource;
+use crate::geometry::Hair;
 use crate::renderer::Renderer;
 use crate::resources::RING;
 
@@ -88,6 +92,8 @@ pub struct Vulkan {
     renderer: Option<Renderer>,
     device: ash::Device,
     formats: image::Formats,
+    /// What the next submission does before its views.
+    ahead: Vec<wgpu::CommandBuffer>,
     lock: Option<Arc<dyn QueueLock>>,
     lost: Arc<OnceLock<String>>,
     info: wgpu::AdapterInfo,
@@ -119,6 +125,7 @@ impl Vulkan {
             renderer: None,
             device: opened.raw,
             formats: opened.formats,
+            ahead: Vec::new(),
             lock: descriptor.lock.clone(),
             lost,
             info: opened.info,
@@ -153,6 +160,70 @@ impl Vulkan {
             None => result,
             Some(reason) => Err(lost_just_now(reason)),
         }
+    }
+
+    /// Records commands that the next submission of [`Vulkan::render`] does before its views. The calls that
+    /// [`Renderer`] documents as waiting for a submission wait for that one.
+    ///
+    /// # Errors
+    /// Those of `call`; a lost device. Nothing is then recorded.
+    pub fn record_ahead(
+        &mut self,
+        call: impl FnOnce(&mut Renderer, &mut wgpu::CommandEncoder) -> Result<()>,
+    ) -> Result<()> {
+        self.alive()?;
+        let renderer = self.renderer.as_mut().ok_or_else(gone)?;
+        let device = renderer.device().clone();
+        let errors = Errors::watch(&device);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("pelage.vulkan.ahead"),
+        });
+        let recorded = call(renderer, &mut encoder).map(|()| encoder.finish());
+        let found = errors.take();
+        let commands = self.settle(recorded, found)?;
+        self.ahead.push(commands);
+        Ok(())
+    }
+
+    /// Whether anything waits for the next submission.
+    pub fn is_ahead(&self) -> bool {
+        !self.ahead.is_empty()
+    }
+
+    /// Moves a hair by a buffer of the host's: [`Renderer::update_points_from`], or with `guides`
+    /// [`Renderer::update_guides_from`], in the next submission of [`Vulkan::render`], before its views.
+    ///
+    /// A full barrier stands before and after what reads the buffer, so that what fills it, or fills it again, needs no
+    /// semaphore on the same queue.
+    ///
+    /// # Errors
+    /// A buffer that is NULL or lacks the usage `STORAGE_BUFFER`; those of the two functions.
+    ///
+    /// # Safety
+    /// The buffer is what it is said to be, bound to memory, and stays valid until the GPU is done with the next
+    /// submission, or the context is dropped.
+    pub unsafe fn update_from(
+        &mut self,
+        hair: &mut Hair,
+        source: &Points,
+        guides: bool,
+    ) -> Result<()> {
+        source.validate()?;
+        self.record_ahead(|renderer, encoder| {
+            // SAFETY: the host's promise is passed on.
+            let buffer = unsafe { source.wrap(renderer.device()) }?;
+            let source = PointSource {
+                buffer: &buffer,
+                offset: source.offset,
+                stride: source.stride,
+                bounds: source.bounds,
+            };
+            if guides {
+                renderer.update_guides_from(encoder, hair, &source)
+            } else {
+                renderer.update_points_from(encoder, hair, &source)
+            }
+        })
     }
 
     /// Records views into one submission and hands it to the queue. Waits for nothing, unless more than [`MAX_VIEWS`]
@@ -199,11 +270,27 @@ impl Vulkan {
             .collect::<Result<Vec<_>>>();
         let found = errors.take();
         let recorded = self.settle(recorded, found)?;
+        let before = self.precede(&device)?;
+        let commands = before.into_iter().chain(recorded.into_iter().flatten());
         let errors = Errors::watch(&device);
         // SAFETY: the host's promise is passed on.
-        let submitted = unsafe { self.submit(recorded, waits, signals) };
+        let submitted = unsafe { self.submit(commands, waits, signals) };
         let found = errors.take();
         self.settle(submitted, found)
+    }
+
+    /// What comes before the views: a barrier, what has been recorded ahead, a barrier.
+    fn precede(&mut self, device: &wgpu::Device) -> Result<Vec<wgpu::CommandBuffer>> {
+        if self.ahead.is_empty() {
+            return Ok(Vec::new());
+        }
+        // SAFETY: no image is named.
+        let barrier = || unsafe { image::record_barriers(device, &self.device, &[]) };
+        let (first, last) = (barrier()?, barrier()?);
+        let mut commands = vec![first];
+        commands.append(&mut self.ahead);
+        commands.push(last);
+        Ok(commands)
     }
 
     /// One view's commands: a barrier, the frame, a barrier.
@@ -266,7 +353,7 @@ impl Vulkan {
     /// Hands recorded views to the queue, with the host's lock held.
     unsafe fn submit(
         &mut self,
-        recorded: Vec<[wgpu::CommandBuffer; 3]>,
+        recorded: impl Iterator<Item = wgpu::CommandBuffer>,
         waits: &[Semaphore],
         signals: &[Semaphore],
     ) -> Result<()> {
@@ -283,7 +370,7 @@ impl Vulkan {
         for signal in signals {
             raw.add_signal_semaphore(signal.semaphore, signal.value);
         }
-        queue.submit(recorded.into_iter().flatten());
+        queue.submit(recorded);
         // What a failed submission has left over is not for the next one.
         for wait in waits {
             raw.remove_wait_semaphore(wait.semaphore);
@@ -327,7 +414,9 @@ impl Drop for Vulkan {
     /// Waits for the queue, with the host's lock held.
     fn drop(&mut self) {
         let renderer = self.renderer.take();
+        let ahead = std::mem::take(&mut self.ahead);
         let _held = self.hold();
+        drop(ahead);
         drop(renderer);
     }
 }
