@@ -40,16 +40,17 @@ pub(crate) struct Guiding {
 
 #[derive(Debug)]
 enum Buffers {
-    Mesh {
-        placements: Allocation,
-    },
-    Clumps {
-        offsets: Allocation,
-        frames: Allocation,
-        coordinates: Allocation,
-        followers: Allocation,
-        settings: ClumpSettings,
-    },
+    Mesh { placements: Allocation },
+    Clumps(Box<Clumps>),
+}
+
+#[derive(Debug)]
+struct Clumps {
+    offsets: Allocation,
+    frames: Allocation,
+    coordinates: Allocation,
+    followers: Allocation,
+    settings: ClumpSettings,
 }
 
 /// Strands that one dispatch makes: what can be bound at once. Bytes of what they are made up of, and of their points.
@@ -105,7 +106,7 @@ impl Guiding {
                 let followers: Vec<[f32; 6]> = followers.iter().map(six).collect();
                 let offsets = bytemuck::cast_slice(guides.offsets());
                 let coordinates = bytemuck::cast_slice(guides.coordinates());
-                let buffers = Buffers::Clumps {
+                let clumps = Clumps {
                     offsets: gpu.filled("pelage.guided.offsets", offsets)?,
                     frames: gpu.storage("pelage.guided.frames", rest.len() as u64 * 24)?,
                     coordinates: gpu.filled("pelage.guided.coordinates", coordinates)?,
@@ -114,7 +115,7 @@ impl Guiding {
                     settings: *settings,
                 };
                 let chunks = clump_chunks(guides, settings, limit.saturating_sub(alignment(gpu)))?;
-                (buffers, chunks)
+                (Buffers::Clumps(Box::new(clumps)), chunks)
             }
         };
         let (stray, distance) = guided.makeup.reach();
@@ -199,13 +200,14 @@ impl Guiding {
                     passes.push(dispatch(gpu, stem, stem, &uniform, &read, &strands)?);
                 }
             }
-            Buffers::Clumps {
-                offsets,
-                frames,
-                coordinates,
-                followers,
-                settings,
-            } => {
+            Buffers::Clumps(clumps) => {
+                let Clumps {
+                    offsets,
+                    frames,
+                    coordinates,
+                    followers,
+                    settings,
+                } = &**clumps;
                 let carried = Guided {
                     count: self.rest.strand_count() as u32,
                     ..common
