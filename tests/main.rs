@@ -5,6 +5,8 @@ mod common;
 mod composite;
 mod frame;
 mod groom;
+mod guided;
+mod moving;
 mod outputs;
 mod raster;
 mod render;
