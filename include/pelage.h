@@ -25,7 +25,7 @@
 #include <stdint.h>
 /*
  * Vulkan's handles. With PELAGE_VULKAN defined they are those of <vulkan/vulkan.h>; without it this header needs nothing of
- * Vulkan's, and they are what they are in memory: pointers, and 64-bit numbers for images and semaphores. Either way a
+ * Vulkan's, and they are what they are in memory: pointers, and 64-bit numbers for images, buffers and semaphores. Either way a
  * program is the same to the library.
  */
 #ifdef PELAGE_VULKAN
@@ -34,6 +34,7 @@ typedef VkInstance PelageVkInstance;
 typedef VkPhysicalDevice PelageVkPhysicalDevice;
 typedef VkDevice PelageVkDevice;
 typedef VkImage PelageVkImage;
+typedef VkBuffer PelageVkBuffer;
 typedef VkSemaphore PelageVkSemaphore;
 typedef VkPhysicalDeviceFeatures2 PelageVkFeatures;
 typedef PFN_vkGetInstanceProcAddr PelageVkGetInstanceProcAddr;
@@ -47,6 +48,7 @@ typedef void *PelageVkInstance;
 typedef void *PelageVkPhysicalDevice;
 typedef void *PelageVkDevice;
 typedef uint64_t PelageVkImage;
+typedef uint64_t PelageVkBuffer;
 typedef uint64_t PelageVkSemaphore;
 typedef void PelageVkFeatures;
 typedef void (PELAGE_VKAPI *PelageVkFunction)(void);
@@ -922,6 +924,27 @@ typedef struct PelageVulkanDevice {
     uint64_t byte_budget;
 } PelageVulkanDevice;
 
+// Positions in a buffer of the host's: three 32-bit floats a point, in the groom's own space, strand after strand, root first.
+typedef struct PelageVulkanPoints {
+    // `sizeof(PelageVulkanPoints)`.
+    uint32_t struct_size;
+    // `VkBufferUsageFlags`, as the buffer was made: with `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    uint32_t usage;
+    // `VkBuffer`, bound to memory.
+    PelageVkBuffer buffer;
+    // Its size in bytes, as it was made.
+    uint64_t size;
+    // Bytes before the first position, a multiple of 4.
+    uint64_t offset;
+    // Bytes from one position to the next: a multiple of 4, at least 12.
+    uint64_t stride;
+    // The lowest corner of a box around all points, and the curves through them, in the groom's own space. What lies outside
+    // the box is drawn, but its shadow may be cut off.
+    double low[3];
+    // The highest corner.
+    double high[3];
+} PelageVulkanPoints;
+
 // An image of the host's: 2D, of which the first layer and the first mip level are used.
 typedef struct PelageVulkanImage {
     // `sizeof(PelageVulkanImage)`.
@@ -958,6 +981,18 @@ typedef struct PelageVulkanView {
     const struct PelageVulkanImage *colour;
     // The opaque scene's depth, of the colour's size: it hides hair. NULL for none.
     const struct PelageVulkanImage *depth;
+    // What else is written, as `PELAGE_OUTPUT_...` of a target; each NULL for none. All are of the colour's size, with
+    // `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`, and keep what they hold outside the view's rectangle: only a view that fills
+    // them takes `VK_IMAGE_LAYOUT_UNDEFINED`.
+    //
+    // The nearest fibre's depth: `VK_FORMAT_R32_SFLOAT`.
+    const struct PelageVulkanImage *nearest_depth;
+    // The part of the pixel that hair covers: `VK_FORMAT_R32_SFLOAT`, `VK_FORMAT_R16_SFLOAT` or `VK_FORMAT_R8_UNORM`.
+    const struct PelageVulkanImage *coverage;
+    // Motion on the screen: `VK_FORMAT_R32G32_SFLOAT` or `VK_FORMAT_R16G16_SFLOAT`.
+    const struct PelageVulkanImage *motion;
+    // Hair, instance and strand: `VK_FORMAT_R32G32_UINT`.
+    const struct PelageVulkanImage *ids;
 } PelageVulkanView;
 
 // A semaphore to wait on, or to signal.
@@ -1130,6 +1165,13 @@ PelageResult pelage_hair_create_interpolated_on_mesh(struct PelageContext contex
                                                      const struct PelageInterpolationSettings *settings,
                                                      struct PelageHair *hair);
 
+// As `pelage_hair_create_interpolated_on_mesh`, for a hair that remembers its guides: `pelage_hair_update_guides` moves them,
+// and all strands after them. Takes 12 bytes of GPU memory more a point, and 48 a strand.
+PelageResult pelage_hair_create_guided_on_mesh(struct PelageContext context,
+                                               const struct PelageStrands *guides,
+                                               const struct PelageInterpolationSettings *settings,
+                                               struct PelageHair *hair);
+
 // Makes a hair of guides, each with followers around it; no mesh is needed. A guide comes first, then its followers.
 //
 // Errors: as `pelage_hair_create_from_strands`; more than 2^24 strands.
@@ -1137,6 +1179,13 @@ PelageResult pelage_hair_create_interpolated_clumps(struct PelageContext context
                                                     const struct PelageStrands *guides,
                                                     const struct PelageClumpSettings *settings,
                                                     struct PelageHair *hair);
+
+// As `pelage_hair_create_interpolated_clumps`, for a hair that remembers its guides: `pelage_hair_update_guides` moves them,
+// and all strands after them. Takes 12 bytes of GPU memory more a point, and 24 a follower.
+PelageResult pelage_hair_create_guided_clumps(struct PelageContext context,
+                                              const struct PelageStrands *guides,
+                                              const struct PelageClumpSettings *settings,
+                                              struct PelageHair *hair);
 
 // Makes a hair of a file in memory.
 //
@@ -1157,10 +1206,12 @@ PelageResult pelage_hair_create_builtin(struct PelageContext context,
 // Destroys a hair. Frames that were rendered with it are not touched.
 PelageResult pelage_hair_destroy(struct PelageHair hair);
 
-// Says what a hair is made of.
-PelageResult pelage_hair_info(struct PelageHair hair, struct PelageHairInfo *info);
+// Says what a hair is made of. The box is that of the positions that the CPU gave last; those of guides or of a buffer are not
+// known to it.
+PelageResult pelage_hair_info(struct PelageHair hair,
+                              struct PelageHairInfo *info);
 
-// Copies a hair's positions, as they were given last, into `positions`: three floats a point, `size` bytes in all, which
+// Copies a hair's positions, as the CPU gave them last (guides and buffers do not change them), into `positions`: three floats a point, `size` bytes in all, which
 // must be 12 times the number of points.
 PelageResult pelage_hair_points(struct PelageHair hair,
                                 float *positions,
@@ -1169,8 +1220,21 @@ PelageResult pelage_hair_points(struct PelageHair hair,
 // Moves a hair: replaces every position by three floats of `positions` a point, `point_count` points, as many as the hair
 // has. Takes effect with the next frame rendered.
 //
-// Errors: another number of points; a position that is not finite.
+// Errors: another number of points; a position that is not finite; on the host's Vulkan device, an update of this hair by its
+// guides or by a buffer that no submission has taken yet (`PELAGE_CONFLICT`): render first.
 PelageResult pelage_hair_update_points(struct PelageHair hair,
+                                       const float *positions,
+                                       uint64_t point_count);
+
+// Moves the guides of a hair that remembers them, and all its strands after them, on the GPU: three floats of `positions` a
+// point of the guides, `point_count` points, as many as they have. Takes effect with the next frame rendered; on the host's
+// Vulkan device as the first thing that the next submission does.
+//
+// The number of strands, and what was drawn by chance, stays as it was. `pelage_hair_points` is not told of the new positions.
+//
+// Errors: a hair that was not made by `pelage_hair_create_guided_...`; another number of points; a position that is not
+// finite; no memory.
+PelageResult pelage_hair_update_guides(struct PelageHair hair,
                                        const float *positions,
                                        uint64_t point_count);
 
@@ -1352,6 +1416,28 @@ PelageResult pelage_vulkan_requirements(const struct PelageVulkanInstance *insta
 PelageResult pelage_vulkan_context_create(const struct PelageVulkanDevice *device,
                                           struct PelageContext *context);
 
+// Moves a hair on the host's Vulkan device by positions in a buffer of the host's, in the host's order of strands. The next
+// `pelage_vulkan_render` of the context that succeeds reads them, before its views and after the semaphores that it waits
+// on; one of no views does too. Several updates of a hair happen in turn.
+//
+// In the queue's order a full barrier stands before the buffer is read and after: what the host submits to the same queue to
+// fill it, before or after, needs no semaphore. The buffer belongs to the queue's family (or is `CONCURRENT`), and it and its
+// memory stay valid until the GPU is done with that submission, or the context has been destroyed. It is never destroyed.
+//
+// A position that is not finite leaves its point where it was. `pelage_hair_points` is not told of the new positions.
+//
+// Errors: a buffer that is NULL, too small or without its usage; an offset, stride or box out of range; no memory; a context
+// with a device of its own (`PELAGE_UNSUPPORTED`).
+PelageResult pelage_vulkan_update_points(struct PelageHair hair,
+                                         const struct PelageVulkanPoints *points);
+
+// As `pelage_vulkan_update_points`, for the guides of a hair that remembers them: all strands follow. The box is that of the
+// guides; what stands out from them is added, as long as guides keep their length.
+//
+// Errors: those; a hair that was not made by `pelage_hair_create_guided_...`.
+PelageResult pelage_vulkan_update_guides(struct PelageHair hair,
+                                         const struct PelageVulkanPoints *points);
+
 // Records views of hair into the host's images and submits them to the host's queue, all at once. Does not wait for the
 // GPU, unless more than `PELAGE_VULKAN_MAX_VIEWS` views of the context are on their way.
 //
@@ -1441,7 +1527,8 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }
 #define PELAGE_VULKAN_DEVICE_INIT { sizeof(PelageVulkanDevice), 0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0 }
 #define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0 }
-#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL }
+#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL }
+#define PELAGE_VULKAN_POINTS_INIT { sizeof(PelageVulkanPoints), 0, 0, 0, 0, 12, { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } }
 #define PELAGE_VULKAN_SEMAPHORE_INIT { sizeof(PelageVulkanSemaphore), 0, 0, 0 }
 #define PELAGE_VULKAN_SUBMIT_INIT { sizeof(PelageVulkanSubmit), 0, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_WINDOW_INIT { sizeof(PelageWindow), 0, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }

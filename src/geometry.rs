@@ -1,11 +1,14 @@
 //! Strands → GPU buffers. Strands are ordered along a Morton curve by their midpoints once, on load, so that
 //! neighbouring invocations touch neighbouring pixels; curves are cut into straight segments.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::{DMat4, DVec3, Vec3};
 
 use crate::error::{Error, Result, invalid};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::groom::{Curve, Strands, tessellate};
+use crate::guided::Guiding;
 use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttributes, Projected};
 use crate::plan::Plan;
 use crate::resources::Bound;
@@ -21,6 +24,13 @@ pub(crate) const MAX_FRAME_POINTS: u64 = 1 << 24;
 
 /// The most instances of one hair: what 16 bits count beside the hair's own number.
 pub(crate) const MAX_INSTANCES: usize = 0xffff;
+
+/// Tells the hairs of all renderers apart, and their buffers from those that they had before.
+static SERIAL: AtomicU64 = AtomicU64::new(1);
+
+fn next_serial() -> u64 {
+    SERIAL.fetch_add(1, Ordering::Relaxed)
+}
 
 /// A part of a hair's points that one dispatch treats: whole strands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -82,18 +92,25 @@ pub(crate) struct Geometry {
     pub strand_count: u64,
     pub segment_count: u64,
     /// What the host gave, the order of its strands on the GPU, and the pieces that each of its segments was cut into.
-    strands: Strands,
-    order: Vec<u32>,
-    pieces: u32,
+    pub strands: Strands,
+    pub order: Vec<u32>,
+    pub pieces: u32,
     /// What moving hair keeps: its points as last packed, and as they were before, with their origin.
     packed: Vec<Point>,
-    previous: Option<(Allocation, DVec3)>,
+    pub previous: Option<(Allocation, DVec3)>,
     /// Whether the points have moved since the frame before.
-    moved: bool,
+    pub moved: bool,
+    /// Whether the points are of the GPU's making, so that `strands` and `packed` do not know them.
+    pub gathered: bool,
+    /// Which of the host's points each point comes from, once that has been asked for.
+    pub places: Option<Allocation>,
+    /// The guides that it follows.
+    pub guiding: Option<Guiding>,
 }
 
 impl Hair {
-    /// The strands as given.
+    /// The strands as given. Positions that came from a buffer of the GPU's are not among them: they are then those that the
+    /// CPU knew last.
     pub fn strands(&self) -> &Strands {
         &self.geometry.strands
     }
@@ -102,6 +119,11 @@ impl Hair {
     /// is zero until the next update.
     pub fn rest(&mut self) {
         self.geometry.moved = false;
+    }
+
+    /// Whether the points were last given by the GPU, so that [`Hair::strands`] does not have them.
+    pub fn moved_on_gpu(&self) -> bool {
+        self.geometry.gathered
     }
 
     pub(crate) fn validate(&self, number: usize) -> Result<()> {
@@ -166,7 +188,7 @@ struct Packed {
 }
 
 impl Geometry {
-    pub fn new(gpu: &Gpu, strands: &Strands, serial: u64) -> Result<Self> {
+    pub fn new(gpu: &Gpu, strands: &Strands) -> Result<Self> {
         if strands.strand_count() > POINT_STRAND as usize {
             return invalid!(
                 "{} strands: a hair has at most {POINT_STRAND}",
@@ -184,7 +206,7 @@ impl Geometry {
             Ok(allocation)
         };
         Ok(Self {
-            serial,
+            serial: next_serial(),
             points: buffer(
                 "pelage.geometry.points",
                 bytemuck::cast_slice(&packed.points),
@@ -208,6 +230,9 @@ impl Geometry {
             packed: Vec::new(),
             previous: None,
             moved: false,
+            gathered: false,
+            places: None,
+            guiding: None,
         })
     }
 
@@ -216,14 +241,20 @@ impl Geometry {
         let mut strands = self.strands.clone();
         strands.set_points(points)?;
         let packed = pack(&strands, &self.order, self.pieces, run_limit(gpu))?;
-        if self.previous.is_none() {
+        if self.packed.is_empty() && !self.gathered {
             self.packed = pack(&self.strands, &self.order, self.pieces, run_limit(gpu))?.points;
-            let buffer = gpu.storage("pelage.geometry.previous_points", self.points.size())?;
-            self.previous = Some((buffer, self.origin));
         }
+        self.keep_previous(gpu)?;
         if let Some((buffer, origin)) = &mut self.previous {
-            gpu.queue
-                .write_buffer(&buffer.buffer, 0, bytemuck::cast_slice(&self.packed));
+            if self.gathered {
+                // Only the GPU knows the former points: they stay where they are, and the new ones go into the other buffer.
+                std::mem::swap(&mut self.points, buffer);
+                self.serial = next_serial();
+                self.gathered = false;
+            } else {
+                gpu.queue
+                    .write_buffer(&buffer.buffer, 0, bytemuck::cast_slice(&self.packed));
+            }
             *origin = self.origin;
         }
         gpu.queue
@@ -239,6 +270,15 @@ impl Geometry {
 }
 
 impl Geometry {
+    /// Makes room for the points of the frame before.
+    pub fn keep_previous(&mut self, gpu: &Gpu) -> Result<()> {
+        if self.previous.is_none() {
+            let buffer = gpu.storage("pelage.geometry.previous_points", self.points.size())?;
+            self.previous = Some((buffer, self.origin));
+        }
+        Ok(())
+    }
+
     /// The points of the frame before and their origin, where they have moved.
     pub fn previous(&self) -> Option<(&Allocation, DVec3)> {
         let (buffer, origin) = self.previous.as_ref()?;

@@ -21,13 +21,15 @@ pub(crate) enum Group {
     Track,
     PointOutputs,
     TablesWritten,
+    Gather,
+    Guided,
     MapsWritten,
     MapsRead,
     PixelsWritten,
     PixelsRead,
 }
 
-const GROUPS: [Group; 12] = [
+const GROUPS: [Group; 14] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
@@ -36,6 +38,8 @@ const GROUPS: [Group; 12] = [
     Group::Track,
     Group::PointOutputs,
     Group::TablesWritten,
+    Group::Gather,
+    Group::Guided,
     Group::MapsWritten,
     Group::MapsRead,
     Group::PixelsWritten,
@@ -55,7 +59,9 @@ impl Group {
             | Self::Shade
             | Self::Track
             | Self::PointOutputs
-            | Self::TablesWritten => 1,
+            | Self::TablesWritten
+            | Self::Gather
+            | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
             Self::PixelsWritten | Self::PixelsRead => 3,
         }
@@ -74,18 +80,18 @@ impl Group {
             },
             count: None,
         };
+        let uniform = |binding, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: Stages::all(),
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Uniform,
+                has_dynamic_offset,
+                min_binding_size: None,
+            },
+            count: None,
+        };
         match self {
             Self::Frame => {
-                let uniform = |binding| wgpu::BindGroupLayoutEntry {
-                    binding,
-                    visibility: Stages::all(),
-                    ty: wgpu::BindingType::Buffer {
-                        ty: wgpu::BufferBindingType::Uniform,
-                        has_dynamic_offset: true,
-                        min_binding_size: None,
-                    },
-                    count: None,
-                };
                 let depth = wgpu::BindGroupLayoutEntry {
                     binding: 3,
                     visibility: raster,
@@ -96,7 +102,7 @@ impl Group {
                     },
                     count: None,
                 };
-                vec![uniform(0), uniform(1), uniform(2), depth]
+                vec![uniform(0, true), uniform(1, true), uniform(2, true), depth]
             }
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
             Self::Project => (0..4)
@@ -113,6 +119,12 @@ impl Group {
                 .collect(),
             Self::PointOutputs => vec![storage(0, Stages::FRAGMENT, true)],
             Self::TablesWritten => vec![storage(0, Stages::COMPUTE, false)],
+            Self::Gather => std::iter::once(uniform(0, false))
+                .chain((1..5).map(|binding| storage(binding, Stages::COMPUTE, binding < 4)))
+                .collect(),
+            Self::Guided => std::iter::once(uniform(0, false))
+                .chain((1..7).map(|binding| storage(binding, Stages::COMPUTE, binding < 6)))
+                .collect(),
             Self::MapsWritten => vec![storage(0, raster, false)],
             Self::MapsRead => vec![storage(0, raster, true)],
             Self::PixelsWritten => (0..PIXEL_BUFFERS)
@@ -308,6 +320,28 @@ impl Gpu {
         size: u64,
         usage: wgpu::BufferUsages,
     ) -> Result<Allocation> {
+        self.allocate_filled(label, size, usage, &[])
+    }
+
+    /// Makes a uniform block for one command buffer: it holds `bytes` from the start, whatever is written to the queue.
+    pub fn uniform(&self, label: &'static str, bytes: &[u8]) -> Result<Allocation> {
+        let usage = wgpu::BufferUsages::UNIFORM;
+        self.allocate_filled(label, bytes.len() as u64, usage, bytes)
+    }
+
+    /// Makes a storage buffer that holds `bytes` from the start.
+    pub fn filled(&self, label: &'static str, bytes: &[u8]) -> Result<Allocation> {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        self.allocate_filled(label, bytes.len() as u64, usage, bytes)
+    }
+
+    fn allocate_filled(
+        &self,
+        label: &'static str,
+        size: u64,
+        usage: wgpu::BufferUsages,
+        bytes: &[u8],
+    ) -> Result<Allocation> {
         let size = size.max(1).next_multiple_of(256);
         if size > self.limits.max_buffer_size {
             return Err(Error::OutOfMemory(format!(
@@ -326,12 +360,20 @@ impl Gpu {
             label: Some(label),
             size,
             usage,
-            mapped_at_creation: false,
+            mapped_at_creation: !bytes.is_empty(),
         });
         if let Some(error) = pollster::block_on(scope.pop()) {
             return Err(Error::OutOfMemory(format!(
                 "{label}: {size} bytes: {error}"
             )));
+        }
+        if !bytes.is_empty() {
+            let range = 0..bytes.len() as u64;
+            match buffer.get_mapped_range_mut(range) {
+                Ok(mut view) => view.copy_from_slice(bytes),
+                Err(error) => return Err(Error::OutOfMemory(format!("{label}: {error}"))),
+            }
+            buffer.unmap();
         }
         let mut ledger = lock(&self.ledger);
         ledger.total += size;

@@ -130,6 +130,52 @@ pub struct Point {
     pub radius: f32,
 }
 
+/// No point of the host's: padding between runs; the same in WGSL.
+pub const NO_PLACE: u32 = u32::MAX;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Gather {
+    pub origin: [f32; 3],
+    pub first: u32,
+    pub origin_rest: [f32; 3],
+    pub end: u32,
+    pub shift: [f32; 3],
+    pub lowest: u32,
+    pub base: u32,
+    pub stride: u32,
+    pub pieces: u32,
+    pub count: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+pub struct Guided {
+    pub source_base: u32,
+    pub stride: u32,
+    pub count: u32,
+    pub points_each: u32,
+    pub followers: u32,
+    pub followers_base: u32,
+    pub strands_base: u32,
+    pub first_guide: u32,
+    pub tip_factor: f32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+    pub padding_2: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Placement {
+    pub root: [f32; 3],
+    pub guide_0: u32,
+    pub tip: [f32; 3],
+    pub guide_1: u32,
+    pub stray: [f32; 3],
+    pub guide_2: u32,
+}
+
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PointAttributes {

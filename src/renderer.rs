@@ -1,18 +1,15 @@
 //! The renderer: a device's pipelines and pools, and the calls that make hair and record frames.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use crate::error::{Error, Result};
 use crate::frame::{self, Frame, Target};
+use crate::gather::{self, PointSource};
 use crate::geometry::{Geometry, Hair};
 use crate::gpu::{Gpu, Passes};
-use crate::groom::Strands;
+use crate::groom::{GuidedStrands, Strands};
+use crate::guided::{self, Guiding};
 use crate::plan::Plan;
 use crate::resources::Resources;
 use crate::statistics::{Fragments, Statistics};
-
-/// Tells the hairs of all renderers apart.
-static SERIAL: AtomicU64 = AtomicU64::new(1);
 
 /// Renders hair on one device. Use it from one thread at a time.
 ///
@@ -51,7 +48,7 @@ impl Renderer {
             transparency: None,
             previous_world_from_object: None,
             instances: Vec::new(),
-            geometry: Geometry::new(&self.gpu, strands, SERIAL.fetch_add(1, Ordering::Relaxed))?,
+            geometry: Geometry::new(&self.gpu, strands)?,
         })
     }
 
@@ -62,6 +59,63 @@ impl Renderer {
     /// Another number of points, or a position that is not finite; the hair is then as it was.
     pub fn update_points(&mut self, hair: &mut Hair, points: &[[f32; 3]]) -> Result<()> {
         hair.geometry.update(&self.gpu, points)
+    }
+
+    /// Replaces every position of a hair by those of a buffer of the host's, which are read when `encoder` is submitted:
+    /// before, or together with, the frames that shall show them. Otherwise as [`Renderer::update_points`]; a later update
+    /// from the CPU waits for that submission. A position that is not finite leaves its point where it was.
+    ///
+    /// [`Hair::strands`] is not told of the new positions.
+    ///
+    /// # Errors
+    /// A source that does not fit: the value is named. No memory. The hair is then as it was, and nothing is recorded.
+    pub fn update_points_from(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        hair: &mut Hair,
+        source: &PointSource,
+    ) -> Result<()> {
+        gather::update(&mut self.gpu, encoder, &mut hair.geometry, source)
+    }
+
+    /// Uploads strands that remember their guides, so that these can be moved instead of them: a hair as
+    /// [`Renderer::create_hair`] makes it, with 12 bytes more a point, and 48 a strand on a mesh or 24 a follower.
+    ///
+    /// # Errors
+    /// As [`Renderer::create_hair`]; guides that are too large for the device's bindings.
+    pub fn create_guided_hair(&mut self, strands: &GuidedStrands) -> Result<Hair> {
+        let mut hair = self.create_hair(strands.strands())?;
+        hair.geometry.guiding = Some(Guiding::new(&self.gpu, strands)?);
+        Ok(hair)
+    }
+
+    /// Moves the guides of a hair, and all its strands after them: [`GuidedStrands::follow`] on the GPU. Otherwise as
+    /// [`Renderer::update_points_from`], with which it can alternate.
+    ///
+    /// # Errors
+    /// A hair without guides; another number of points than the guides have; a position that is not finite; no memory. The
+    /// hair is then as it was, and nothing is recorded.
+    pub fn update_guides(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        hair: &mut Hair,
+        points: &[[f32; 3]],
+    ) -> Result<()> {
+        guided::update(&mut self.gpu, encoder, &mut hair.geometry, points)
+    }
+
+    /// As [`Renderer::update_guides`], with the guides' points from a buffer of the host's. The source's bounds are those of
+    /// the guides: what stands out from them is added, as long as guides keep their length.
+    ///
+    /// # Errors
+    /// A hair without guides; a source that does not fit; no memory. The hair is then as it was, and nothing is recorded.
+    pub fn update_guides_from(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        hair: &mut Hair,
+        source: &PointSource,
+    ) -> Result<()> {
+        guided::update_from(&mut self.gpu, encoder, &mut hair.geometry, source)
     }
 
     /// Limits the GPU memory that the renderer takes, in bytes; `None` lifts the limit. What is held is kept.

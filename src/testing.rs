@@ -112,6 +112,15 @@ pub fn combinations() -> Vec<Combination> {
         modules.push((name, tables::module(model.points().1)));
     }
     modules.push(("track".into(), Module::new(&["common/track"])));
+    for stem in [
+        "gather",
+        "guided",
+        "guided_mesh",
+        "guided_frames",
+        "guided_clumps",
+    ] {
+        modules.push((stem.into(), Module::new(&[stem])));
+    }
     for reverse in [false, true] {
         modules.push((
             format!("outputs_none {reverse}"),
@@ -199,6 +208,14 @@ pub fn layouts() -> Vec<Layout> {
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
+        Gather {
+            origin, first, origin_rest, end, shift, lowest, base, stride, pieces, count,
+        }
+        Guided {
+            source_base, stride, count, points_each, followers, followers_base, strands_base, first_guide, tip_factor,
+            padding_0, padding_1, padding_2,
+        }
+        Placement { root, guide_0, tip, guide_1, stray, guide_2 }
         PointAttributes { strand, coordinate }
         PointOutput { motion, hair, strand }
         Projected { position, depth, half_width, bisector, flags }
@@ -217,6 +234,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("POINT_FIRST", layout::POINT_FIRST),
         ("POINT_LAST", layout::POINT_LAST),
         ("POINT_STRAND", layout::POINT_STRAND),
+        ("NO_PLACE", layout::NO_PLACE),
         ("OVERFLOW_WORDS", layout::OVERFLOW_WORDS as u32),
         ("SCAN_BLOCK", layout::SCAN_BLOCK),
     ]
@@ -225,4 +243,14 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
 /// Straight pieces into which each of a groom's curved segments is cut.
 pub fn curve_pieces(strands: &crate::groom::Strands) -> u32 {
     crate::geometry::curve_pieces(strands)
+}
+
+/// A hair's points as the GPU has them, in its own order, with their origin; what fills the gaps between runs too.
+pub fn points_buffer(hair: &crate::Hair) -> (&wgpu::Buffer, glam::DVec3) {
+    (&hair.geometry.points.buffer, hair.geometry.origin)
+}
+
+/// Half the size of the box that a hair is said to fill, around that origin.
+pub fn half_extent(hair: &crate::Hair) -> glam::DVec3 {
+    hair.geometry.half_extent
 }

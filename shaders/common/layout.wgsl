@@ -136,6 +136,61 @@ struct Point {
     radius: f32,
 }
 
+// One dispatch of `gather`: the points that come from the host's points `first` to `end`, within one run.
+struct Gather {
+    // The new origin of the hair's points, and what single precision cuts off it.
+    origin: vec3f,
+    first: u32,
+    origin_rest: vec3f,
+    end: u32,
+    // The former origin as seen from the new one.
+    shift: vec3f,
+    // The host's point that the bound part begins with, and the word at which.
+    lowest: u32,
+    base: u32,
+    // Words from one of the host's points to the next.
+    stride: u32,
+    // Straight pieces of each of the host's segments.
+    pieces: u32,
+    // Points of the run.
+    count: u32,
+}
+
+// No point of the host's: padding between runs.
+const NO_PLACE: u32 = 0xffffffffu;
+
+// One dispatch of the shaders `guided…`.
+struct Guided {
+    // The word at which the source's first position begins, and words from one to the next.
+    source_base: u32,
+    stride: u32,
+    // Invocations.
+    count: u32,
+    // Points of every guide and strand on a mesh.
+    points_each: u32,
+    // Followers of each guide.
+    followers: u32,
+    // The words at which the first follower and the first strand of this dispatch begin, and the guide that it begins with.
+    followers_base: u32,
+    strands_base: u32,
+    first_guide: u32,
+    // The followers' distance at the tip over that at the root.
+    tip_factor: f32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
+// A strand between three guides: their weights at the root and at the tip, and the tip's displacement over its length.
+struct Placement {
+    root: vec3f,
+    guide_0: u32,
+    tip: vec3f,
+    guide_1: u32,
+    stray: vec3f,
+    guide_2: u32,
+}
+
 // `strand` holds the strand's number and the two flags below.
 struct PointAttributes {
     strand: u32,

@@ -7,15 +7,19 @@ use glam::DMat4;
 use super::descriptor::{self, descriptor};
 use super::error::{PelageResult, guard};
 use super::input::{array, check_bytes, fill, output, outputs, slice};
-use super::registry::{Kind, PelageContext, PelageHair, State};
+use super::registry::{Host, Kind, PelageContext, PelageHair, State};
 use super::settings::{self, PelageShading, PelageShadow, PelageTransparency};
 use super::strands::{
-    PelageClumpSettings, PelageInterpolationSettings, PelageStrands, check_radius, clumped, curve,
-    interpolated, read_strands,
+    PelageClumpSettings, PelageInterpolationSettings, PelageStrands, check_radius, clump_input,
+    curve, mesh_input, read_strands,
 };
-use crate::error::{Result, invalid};
-use crate::geometry::{Instance, MAX_INSTANCES};
-use crate::groom::{BuiltinGroom, MAX_POINTS, Strands, builtin, formats};
+use crate::error::{Error, Result, invalid};
+use crate::geometry::{Hair, Instance, MAX_INSTANCES};
+use crate::groom::{
+    BuiltinGroom, GuidedStrands, MAX_POINTS, Strands, builtin, formats, interpolate_clumps,
+    interpolate_on_mesh,
+};
+use crate::renderer::Renderer;
 
 /// Long and straight, parted.
 pub const PELAGE_BUILTIN_STRAIGHT: u32 = 0;
@@ -102,16 +106,24 @@ unsafe fn create(
     hair: *mut PelageHair,
     strands: impl FnOnce() -> Result<Strands>,
 ) -> PelageResult {
+    // SAFETY: the rule of the module `capi`.
+    unsafe { create_of(context, hair, strands, Renderer::create_hair) }
+}
+
+/// The same of what `upload` takes.
+unsafe fn create_of<T>(
+    context: PelageContext,
+    hair: *mut PelageHair,
+    make: impl FnOnce() -> Result<T>,
+    upload: fn(&mut Renderer, &T) -> Result<Hair>,
+) -> PelageResult {
     guard(|| {
         context.check()?;
         // SAFETY: the rule of the module `capi`.
         let hair = unsafe { output("hair", hair) }?;
-        let strands = strands()?;
-        let upload = |state: &mut State| {
-            state
-                .host
-                .with_renderer(|renderer| renderer.create_hair(&strands))
-        };
+        let made = make()?;
+        let upload =
+            |state: &mut State| state.host.with_renderer(|renderer| upload(renderer, &made));
         hair.write(PelageHair {
             id: context.make(Kind::Hair, |state| &mut state.hairs, upload)?,
         });
@@ -146,7 +158,31 @@ pub unsafe extern "C" fn pelage_hair_create_interpolated_on_mesh(
     hair: *mut PelageHair,
 ) -> PelageResult {
     // SAFETY: the rule of the module `capi`.
-    unsafe { create(context, hair, || interpolated(guides, settings)) }
+    unsafe {
+        create(context, hair, || {
+            let (guides, settings) = mesh_input(guides, settings)?;
+            interpolate_on_mesh(&guides, &settings)
+        })
+    }
+}
+
+/// As `pelage_hair_create_interpolated_on_mesh`, for a hair that remembers its guides: `pelage_hair_update_guides` moves them,
+/// and all strands after them. Takes 12 bytes of GPU memory more a point, and 48 a strand.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_hair_create_guided_on_mesh(
+    context: PelageContext,
+    guides: *const PelageStrands,
+    settings: *const PelageInterpolationSettings,
+    hair: *mut PelageHair,
+) -> PelageResult {
+    // SAFETY: the rule of the module `capi`.
+    unsafe {
+        let make = || {
+            let (guides, settings) = mesh_input(guides, settings)?;
+            GuidedStrands::on_mesh(&guides, &settings)
+        };
+        create_of(context, hair, make, Renderer::create_guided_hair)
+    }
 }
 
 /// Makes a hair of guides, each with followers around it; no mesh is needed. A guide comes first, then its followers.
@@ -160,7 +196,31 @@ pub unsafe extern "C" fn pelage_hair_create_interpolated_clumps(
     hair: *mut PelageHair,
 ) -> PelageResult {
     // SAFETY: the rule of the module `capi`.
-    unsafe { create(context, hair, || clumped(guides, settings)) }
+    unsafe {
+        create(context, hair, || {
+            let (guides, settings) = clump_input(guides, settings)?;
+            interpolate_clumps(&guides, &settings)
+        })
+    }
+}
+
+/// As `pelage_hair_create_interpolated_clumps`, for a hair that remembers its guides: `pelage_hair_update_guides` moves them,
+/// and all strands after them. Takes 12 bytes of GPU memory more a point, and 24 a follower.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_hair_create_guided_clumps(
+    context: PelageContext,
+    guides: *const PelageStrands,
+    settings: *const PelageClumpSettings,
+    hair: *mut PelageHair,
+) -> PelageResult {
+    // SAFETY: the rule of the module `capi`.
+    unsafe {
+        let make = || {
+            let (guides, settings) = clump_input(guides, settings)?;
+            GuidedStrands::clumps(&guides, &settings)
+        };
+        create_of(context, hair, make, Renderer::create_guided_hair)
+    }
 }
 
 /// Makes a hair of a file in memory.
@@ -228,7 +288,8 @@ pub extern "C" fn pelage_hair_destroy(hair: PelageHair) -> PelageResult {
     guard(|| hair.destroy())
 }
 
-/// Says what a hair is made of.
+/// Says what a hair is made of. The box is that of the positions that the CPU gave last; those of guides or of a buffer are not
+/// known to it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pelage_hair_info(
     hair: PelageHair,
@@ -252,7 +313,7 @@ pub unsafe extern "C" fn pelage_hair_info(
     })
 }
 
-/// Copies a hair's positions, as they were given last, into `positions`: three floats a point, `size` bytes in all, which
+/// Copies a hair's positions, as the CPU gave them last (guides and buffers do not change them), into `positions`: three floats a point, `size` bytes in all, which
 /// must be 12 times the number of points.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pelage_hair_points(
@@ -275,7 +336,8 @@ pub unsafe extern "C" fn pelage_hair_points(
 /// Moves a hair: replaces every position by three floats of `positions` a point, `point_count` points, as many as the hair
 /// has. Takes effect with the next frame rendered.
 ///
-/// Errors: another number of points; a position that is not finite.
+/// Errors: another number of points; a position that is not finite; on the host's Vulkan device, an update of this hair by its
+/// guides or by a buffer that no submission has taken yet (`PELAGE_CONFLICT`): render first.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pelage_hair_update_points(
     hair: PelageHair,
@@ -292,7 +354,47 @@ pub unsafe extern "C" fn pelage_hair_update_points(
                 MAX_POINTS,
             )
         }?;
-        hair.with(|hair, host| host.with_renderer(|renderer| renderer.update_points(hair, points)))
+        hair.with(|hair, host| {
+            if let Host::Vulkan(vulkan) = host
+                && vulkan.is_ahead()
+                && hair.moved_on_gpu()
+            {
+                return Err(Error::Conflict(
+                    "the hair's last update is still waiting for pelage_vulkan_render".into(),
+                ));
+            }
+            host.with_renderer(|renderer| renderer.update_points(hair, points))
+        })
+    })
+}
+
+/// Moves the guides of a hair that remembers them, and all its strands after them, on the GPU: three floats of `positions` a
+/// point of the guides, `point_count` points, as many as they have. Takes effect with the next frame rendered; on the host's
+/// Vulkan device as the first thing that the next submission does.
+///
+/// The number of strands, and what was drawn by chance, stays as it was. `pelage_hair_points` is not told of the new positions.
+///
+/// Errors: a hair that was not made by `pelage_hair_create_guided_...`; another number of points; a position that is not
+/// finite; no memory.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_hair_update_guides(
+    hair: PelageHair,
+    positions: *const f32,
+    point_count: u64,
+) -> PelageResult {
+    guard(|| {
+        // SAFETY: the rule of the module `capi`.
+        let points = unsafe {
+            slice(
+                "positions",
+                positions.cast::<[f32; 3]>(),
+                point_count,
+                MAX_POINTS,
+            )
+        }?;
+        hair.with(|hair, host| {
+            host.record_ahead(|renderer, encoder| renderer.update_guides(encoder, hair, points))
+        })
     })
 }
 

@@ -98,6 +98,23 @@ impl Host {
         }
     }
 
+    /// Records commands: submitted at once on the library's own device, on the host's before the views of the next frame.
+    pub fn record_ahead(
+        &mut self,
+        call: impl FnOnce(&mut Renderer, &mut wgpu::CommandEncoder) -> Result<()>,
+    ) -> Result<()> {
+        if let Self::Vulkan(vulkan) = self {
+            return vulkan.record_ahead(call);
+        }
+        let renderer = &mut self.offscreen()?.renderer;
+        let mut encoder = renderer
+            .device()
+            .create_command_encoder(&Default::default());
+        call(renderer, &mut encoder)?;
+        renderer.queue().submit([encoder.finish()]);
+        Ok(())
+    }
+
     pub fn adapter_info(&self) -> &wgpu::AdapterInfo {
         match self {
             Self::Offscreen(offscreen) => offscreen.adapter_info(),

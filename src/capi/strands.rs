@@ -5,7 +5,6 @@ use super::input::{optional_slice, reserved, slice};
 use crate::error::{Result, invalid};
 use crate::groom::{
     ClumpSettings, Curve, Guides, InterpolationSettings, MAX_POINTS, Strands, Stray,
-    interpolate_clumps, interpolate_on_mesh,
 };
 
 /// Straight segments between the points.
@@ -211,11 +210,11 @@ pub(super) fn check_radius(name: &str, radius: f32) -> Result<()> {
     Ok(())
 }
 
-/// Strands in the triangles between guides.
-pub(super) unsafe fn interpolated(
+/// Guides on a mesh, and how to fill its triangles.
+pub(super) unsafe fn mesh_input(
     guides: *const PelageStrands,
     settings: *const PelageInterpolationSettings,
-) -> Result<Strands> {
+) -> Result<(Guides, InterpolationSettings)> {
     // SAFETY: the rule of the module `capi`.
     let (strands, given) = unsafe {
         (
@@ -241,14 +240,14 @@ pub(super) unsafe fn interpolated(
         },
         seed: given.seed,
     };
-    interpolate_on_mesh(&Guides::on_mesh(strands, triangles.to_vec())?, &settings)
+    Ok((Guides::on_mesh(strands, triangles.to_vec())?, settings))
 }
 
-/// Strands in clumps around guides.
-pub(super) unsafe fn clumped(
+/// Guides, and how to surround each.
+pub(super) unsafe fn clump_input(
     guides: *const PelageStrands,
     settings: *const PelageClumpSettings,
-) -> Result<Strands> {
+) -> Result<(Strands, ClumpSettings)> {
     // SAFETY: the rule of the module `capi`.
     let (strands, given) = unsafe {
         (
@@ -267,5 +266,5 @@ pub(super) unsafe fn clumped(
         },
         seed: given.seed,
     };
-    interpolate_clumps(&strands, &settings)
+    Ok((strands, settings))
 }

@@ -12,15 +12,15 @@ use super::descriptor::{self, descriptor};
 use super::error::{PelageResult, guard};
 use super::frame::{GivenFrame, PelageFrame};
 use super::input::{flag, flags, output, reserved};
-use super::registry::{Host, PelageContext, State};
+use super::registry::{Host, PelageContext, PelageHair, State};
 use super::render::{
     ALL_FLAGS, PELAGE_RENDER_CLEAR, PELAGE_RENDER_RECEIVE_SHADOW, PELAGE_RENDER_WRITE_DEPTH,
 };
 use crate::error::{Result, invalid};
 use crate::geometry::Hair;
 use crate::host::vulkan::{
-    DeviceDescriptor, FEATURE_STORAGE, HostInstance, Image, MAX_VIEWS, QueueLock, Semaphore, View,
-    Vulkan, requirements,
+    DeviceDescriptor, FEATURE_STORAGE, HostInstance, Image, MAX_VIEWS, Points, QueueLock,
+    Semaphore, View, ViewOutputs, Vulkan, requirements,
 };
 
 // The header defines these by itself, typed where it is told to include <vulkan/vulkan.h>: see cbindgen.toml.
@@ -32,6 +32,8 @@ pub type PelageVkPhysicalDevice = *mut c_void;
 pub type PelageVkDevice = *mut c_void;
 /// `VkImage`.
 pub type PelageVkImage = u64;
+/// `VkBuffer`.
+pub type PelageVkBuffer = u64;
 /// `VkSemaphore`.
 pub type PelageVkSemaphore = u64;
 /// `VkPhysicalDeviceFeatures2`.
@@ -412,6 +414,18 @@ pub struct PelageVulkanView {
     pub colour: *const PelageVulkanImage,
     /// The opaque scene's depth, of the colour's size: it hides hair. NULL for none.
     pub depth: *const PelageVulkanImage,
+    /// What else is written, as `PELAGE_OUTPUT_...` of a target; each NULL for none. All are of the colour's size, with
+    /// `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`, and keep what they hold outside the view's rectangle: only a view that fills
+    /// them takes `VK_IMAGE_LAYOUT_UNDEFINED`.
+    ///
+    /// The nearest fibre's depth: `VK_FORMAT_R32_SFLOAT`.
+    pub nearest_depth: *const PelageVulkanImage,
+    /// The part of the pixel that hair covers: `VK_FORMAT_R32_SFLOAT`, `VK_FORMAT_R16_SFLOAT` or `VK_FORMAT_R8_UNORM`.
+    pub coverage: *const PelageVulkanImage,
+    /// Motion on the screen: `VK_FORMAT_R32G32_SFLOAT` or `VK_FORMAT_R16G16_SFLOAT`.
+    pub motion: *const PelageVulkanImage,
+    /// Hair, instance and strand: `VK_FORMAT_R32G32_UINT`.
+    pub ids: *const PelageVulkanImage,
 }
 
 impl Default for PelageVulkanView {
@@ -422,11 +436,106 @@ impl Default for PelageVulkanView {
             frame: null(),
             colour: null(),
             depth: null(),
+            nearest_depth: null(),
+            coverage: null(),
+            motion: null(),
+            ids: null(),
         }
     }
 }
 
-descriptor!(PelageVulkanView, "PELAGE_VULKAN_VIEW_INIT", depth: *const PelageVulkanImage);
+descriptor!(PelageVulkanView, "PELAGE_VULKAN_VIEW_INIT", ids: *const PelageVulkanImage);
+
+/// Positions in a buffer of the host's: three 32-bit floats a point, in the groom's own space, strand after strand, root first.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageVulkanPoints {
+    /// `sizeof(PelageVulkanPoints)`.
+    pub struct_size: u32,
+    /// `VkBufferUsageFlags`, as the buffer was made: with `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    pub usage: u32,
+    /// `VkBuffer`, bound to memory.
+    pub buffer: PelageVkBuffer,
+    /// Its size in bytes, as it was made.
+    pub size: u64,
+    /// Bytes before the first position, a multiple of 4.
+    pub offset: u64,
+    /// Bytes from one position to the next: a multiple of 4, at least 12.
+    pub stride: u64,
+    /// The lowest corner of a box around all points, and the curves through them, in the groom's own space. What lies outside
+    /// the box is drawn, but its shadow may be cut off.
+    pub low: [f64; 3],
+    /// The highest corner.
+    pub high: [f64; 3],
+}
+
+impl Default for PelageVulkanPoints {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            usage: 0,
+            buffer: 0,
+            size: 0,
+            offset: 0,
+            stride: 12,
+            low: [0.0; 3],
+            high: [0.0; 3],
+        }
+    }
+}
+
+descriptor!(PelageVulkanPoints, "PELAGE_VULKAN_POINTS_INIT", high: [f64; 3]);
+
+/// Moves a hair on the host's Vulkan device by positions in a buffer of the host's, in the host's order of strands. The next
+/// `pelage_vulkan_render` of the context that succeeds reads them, before its views and after the semaphores that it waits
+/// on; one of no views does too. Several updates of a hair happen in turn.
+///
+/// In the queue's order a full barrier stands before the buffer is read and after: what the host submits to the same queue to
+/// fill it, before or after, needs no semaphore. The buffer belongs to the queue's family (or is `CONCURRENT`), and it and its
+/// memory stay valid until the GPU is done with that submission, or the context has been destroyed. It is never destroyed.
+///
+/// A position that is not finite leaves its point where it was. `pelage_hair_points` is not told of the new positions.
+///
+/// Errors: a buffer that is NULL, too small or without its usage; an offset, stride or box out of range; no memory; a context
+/// with a device of its own (`PELAGE_UNSUPPORTED`).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_vulkan_update_points(
+    hair: PelageHair,
+    points: *const PelageVulkanPoints,
+) -> PelageResult {
+    // SAFETY: the rule of the module `capi`.
+    guard(|| unsafe { update(hair, points, false) })
+}
+
+/// As `pelage_vulkan_update_points`, for the guides of a hair that remembers them: all strands follow. The box is that of the
+/// guides; what stands out from them is added, as long as guides keep their length.
+///
+/// Errors: those; a hair that was not made by `pelage_hair_create_guided_...`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_vulkan_update_guides(
+    hair: PelageHair,
+    points: *const PelageVulkanPoints,
+) -> PelageResult {
+    // SAFETY: the rule of the module `capi`.
+    guard(|| unsafe { update(hair, points, true) })
+}
+
+unsafe fn update(hair: PelageHair, points: *const PelageVulkanPoints, guides: bool) -> Result<()> {
+    // SAFETY: the rule of the module `capi`.
+    let given = unsafe { descriptor::read("points", points) }?;
+    let source = Points {
+        buffer: vk::Buffer::from_raw(given.buffer),
+        size: given.size,
+        usage: vk::BufferUsageFlags::from_raw(given.usage),
+        offset: given.offset,
+        stride: given.stride,
+        bounds: [given.low.into(), given.high.into()],
+    };
+    hair.with(|hair, host| {
+        // SAFETY: the buffer is what the host says it is, and it keeps it until the GPU is done.
+        unsafe { host.vulkan()?.update_from(hair, &source, guides) }
+    })
+}
 
 /// A binary semaphore.
 pub const PELAGE_VULKAN_SEMAPHORE_BINARY: u32 = 0;
@@ -554,6 +663,7 @@ pub unsafe extern "C" fn pelage_vulkan_render(
                     write_depth: view.flags & PELAGE_RENDER_WRITE_DEPTH != 0,
                     receive_shadow: view.flags & PELAGE_RENDER_RECEIVE_SHADOW != 0,
                     rectangle: view.frame.rectangle,
+                    outputs: view.outputs(),
                 })
                 .collect();
             // SAFETY: images and semaphores are what the host says they are, and it keeps them until the GPU is done.
@@ -567,7 +677,21 @@ struct GivenView<'a> {
     frame: GivenFrame<'a>,
     colour: Image,
     depth: Option<Image>,
+    /// Nearest depth, coverage, motion and ids.
+    outputs: [Option<Image>; 4],
     flags: u32,
+}
+
+impl GivenView<'_> {
+    fn outputs(&self) -> ViewOutputs<'_> {
+        let [nearest_depth, coverage, motion, ids] = self.outputs.each_ref().map(Option::as_ref);
+        ViewOutputs {
+            nearest_depth,
+            coverage,
+            motion,
+            ids,
+        }
+    }
 }
 
 unsafe fn read_views<'a>(
@@ -579,14 +703,23 @@ unsafe fn read_views<'a>(
     let read = |(at, given): (usize, &PelageVulkanView)| {
         let name = |what: &str| format!("views[{at}]: {what}");
         let flags = flags(&name("flags"), given.flags, ALL_FLAGS)?;
+        let optional = |what: &str, pointer| -> Result<Option<Image>> {
+            // SAFETY: as above.
+            let read = unsafe { descriptor::read_optional(&name(what), pointer) }?;
+            Ok(read.as_ref().map(image))
+        };
         // SAFETY: as above.
         unsafe {
             Ok(GivenView {
                 frame: GivenFrame::read(given.frame)?,
                 colour: image(&descriptor::read(&name("colour"), given.colour)?),
-                depth: descriptor::read_optional(&name("depth"), given.depth)?
-                    .as_ref()
-                    .map(image),
+                depth: optional("depth", given.depth)?,
+                outputs: [
+                    optional("nearest_depth", given.nearest_depth)?,
+                    optional("coverage", given.coverage)?,
+                    optional("motion", given.motion)?,
+                    optional("ids", given.ids)?,
+                ],
                 flags,
             })
         }

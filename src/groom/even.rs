@@ -15,10 +15,7 @@ pub(crate) struct EvenGuides {
 impl EvenGuides {
     /// Resamples guides that have fewer points than the longest, evenly in their coordinate.
     pub(crate) fn new(guides: &Strands) -> Self {
-        let points_each = (0..guides.strand_count())
-            .map(|guide| guides.range(guide).len())
-            .max()
-            .unwrap_or(0);
+        let points_each = longest(guides);
         let mut even = Self {
             points_each,
             curve: guides.curve(),
@@ -30,31 +27,13 @@ impl EvenGuides {
                 .map(|colour| Vec3::from(*colour))
                 .collect(),
         };
-        for guide in 0..guides.strand_count() {
-            even.add(guides, guide);
+        for Tap { at, next, t } in taps(guides, points_each) {
+            let [p, q] = [at, next].map(|k| Vec3::from(guides.points()[k]));
+            even.points.push(p.lerp(q, t));
+            let [r, s] = [at, next].map(|k| guides.radii()[k]);
+            even.radii.push(r + (s - r) * t);
         }
         even
-    }
-
-    fn add(&mut self, guides: &Strands, guide: usize) {
-        let range = guides.range(guide);
-        if range.len() == self.points_each {
-            self.points.extend(
-                guides.points()[range.clone()]
-                    .iter()
-                    .map(|p| Vec3::from(*p)),
-            );
-            self.radii.extend_from_slice(&guides.radii()[range]);
-            return;
-        }
-        let last = (self.points_each - 1).max(1) as f32;
-        for i in 0..self.points_each {
-            let (at, next, t) = locate(guides, guide, i as f32 / last);
-            let [p, q] = [at, next].map(|k| Vec3::from(guides.points()[k]));
-            self.points.push(p.lerp(q, t));
-            let [r, s] = [at, next].map(|k| guides.radii()[k]);
-            self.radii.push(r + (s - r) * t);
-        }
     }
 
     /// The weighted position of point `i` of three guides.
@@ -78,6 +57,42 @@ impl EvenGuides {
             .sum();
         colour.max(Vec3::ZERO).to_array()
     }
+}
+
+/// Where an even guide's point comes from: between two points of the guides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Tap {
+    pub(crate) at: usize,
+    pub(crate) next: usize,
+    pub(crate) t: f32,
+}
+
+/// The points of the longest guide.
+pub(crate) fn longest(guides: &Strands) -> usize {
+    let lengths = (0..guides.strand_count()).map(|guide| guides.range(guide).len());
+    lengths.max().unwrap_or(0)
+}
+
+/// Where the even guides' points come from, `points_each` for every guide.
+pub(crate) fn taps(guides: &Strands, points_each: usize) -> Vec<Tap> {
+    let last = points_each.saturating_sub(1).max(1) as f32;
+    let tap = |guide: usize, i: usize| {
+        let range = guides.range(guide);
+        if range.len() == points_each {
+            let at = range.start + i;
+            return Tap {
+                at,
+                next: at,
+                t: 0.0,
+            };
+        }
+        let (at, next, t) = locate(guides, guide, i as f32 / last);
+        Tap { at, next, t }
+    };
+    (0..guides.strand_count())
+        .flat_map(|guide| (0..points_each).map(move |i| (guide, i)))
+        .map(|(guide, i)| tap(guide, i))
+        .collect()
 }
 
 /// The two points of a strand around coordinate `u`, and where between them.

@@ -80,6 +80,7 @@ impl Default for ClumpSettings {
 }
 
 /// Where one strand grows between three guides, and where it goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Placement {
     /// The triangle's guides.
     pub(crate) guides: [u32; 3],
@@ -103,6 +104,98 @@ const TRIANGLE_SALT: u32 = 0x7472_6961;
 /// [`InvalidValue`](crate::Error::InvalidValue): a setting out of its range or not finite; guides without a mesh; more
 /// than [`MAX_INTERPOLATED_STRANDS`] strands to be expected, or more points than a groom can have.
 pub fn interpolate_on_mesh(guides: &Guides, settings: &InterpolationSettings) -> Result<Strands> {
+    let placements = placements(guides, settings)?;
+    blend(&EvenGuides::new(guides.strands()), &placements)
+}
+
+/// Surrounds each guide with followers at random places of a disc perpendicular to it; no mesh is needed.
+///
+/// A guide comes first, then its followers, whose offsets are carried along it without twist. Followers have the
+/// guide's radii, colour and coordinates, and the curve is the guides'.
+///
+/// # Errors
+/// [`InvalidValue`](crate::Error::InvalidValue): a setting out of its range or not finite; more than
+/// [`MAX_INTERPOLATED_STRANDS`] strands, or more points than a groom can have; a follower too far away for its numbers.
+pub fn interpolate_clumps(guides: &Strands, settings: &ClumpSettings) -> Result<Strands> {
+    surround(guides, &followers(guides, settings)?, settings)
+}
+
+/// Strands that were made of guides, and remember how: they can follow the guides wherever these go.
+///
+/// What was drawn by chance, the number of strands among it, stays as it was drawn for the guides at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GuidedStrands {
+    strands: Strands,
+    guides: Strands,
+    pub(crate) makeup: Makeup,
+}
+
+/// What strands are made up of, beside their guides.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Makeup {
+    Mesh(Vec<Placement>),
+    /// Of each guide in turn.
+    Clumps(Vec<Follower>, ClumpSettings),
+}
+
+impl GuidedStrands {
+    /// The strands of [`interpolate_on_mesh`].
+    ///
+    /// # Errors
+    /// As of that function.
+    pub fn on_mesh(guides: &Guides, settings: &InterpolationSettings) -> Result<Self> {
+        let placements = placements(guides, settings)?;
+        Ok(Self {
+            strands: blend(&EvenGuides::new(guides.strands()), &placements)?,
+            guides: guides.strands().clone(),
+            makeup: Makeup::Mesh(placements),
+        })
+    }
+
+    /// The strands of [`interpolate_clumps`].
+    ///
+    /// # Errors
+    /// As of that function.
+    pub fn clumps(guides: &Strands, settings: &ClumpSettings) -> Result<Self> {
+        let followers = followers(guides, settings)?;
+        Ok(Self {
+            strands: surround(guides, &followers, settings)?,
+            guides: guides.clone(),
+            makeup: Makeup::Clumps(followers, *settings),
+        })
+    }
+
+    /// The strands as the guides were at rest.
+    pub fn strands(&self) -> &Strands {
+        &self.strands
+    }
+
+    /// The guides at rest.
+    pub fn guides(&self) -> &Strands {
+        &self.guides
+    }
+
+    /// Every strand's points where the guides' points are `points`. Guides of differing numbers of points are resampled by
+    /// the coordinates that they had at rest.
+    ///
+    /// # Errors
+    /// Another number of points than the guides have; a position that is not finite.
+    pub fn follow(&self, points: &[[f32; 3]]) -> Result<Vec<[f32; 3]>> {
+        let mut guides = self.guides.clone();
+        guides.set_points(points)?;
+        match &self.makeup {
+            Makeup::Mesh(placements) => Ok(blended(&EvenGuides::new(&guides), placements).0),
+            Makeup::Clumps(followers, settings) => {
+                let mut points = Vec::with_capacity(self.strands.points().len());
+                surround_points(&guides, followers, settings, &mut points);
+                Ok(points)
+            }
+        }
+    }
+}
+
+/// Where the strands of every triangle grow.
+fn placements(guides: &Guides, settings: &InterpolationSettings) -> Result<Vec<Placement>> {
     check_settings(settings)?;
     if guides.triangles().is_empty() && guides.strands().strand_count() > 0 {
         return invalid!(
@@ -124,28 +217,30 @@ pub fn interpolate_on_mesh(guides: &Guides, settings: &InterpolationSettings) ->
         .map(|t| area(t) * f64::from(settings.density));
     check_total(expected.clone().sum(), strands, settings.density)?;
 
-    let mut placements = Vec::new();
+    let mut owners = Vec::new();
     for (at, (triangle, expected)) in guides.triangles().iter().zip(expected).enumerate() {
         let chance = f64::from(Draws::new(at as u32, settings.seed ^ TRIANGLE_SALT).uniform());
         let count = (expected + chance).floor() as usize;
-        placements.extend((0..count).map(|_| triangle));
+        owners.extend((0..count).map(|_| *triangle));
     }
-    let place = |(at, triangle): (usize, &&[u32; 3])| place(**triangle, at as u32, settings);
-    blend(
-        &EvenGuides::new(strands),
-        &placements.iter().enumerate().map(place).collect::<Vec<_>>(),
-    )
+    let place = |(at, triangle): (usize, &[u32; 3])| place(*triangle, at as u32, settings);
+    Ok(owners.iter().enumerate().map(place).collect())
 }
 
-/// Surrounds each guide with followers at random places of a disc perpendicular to it; no mesh is needed.
-///
-/// A guide comes first, then its followers, whose offsets are carried along it without twist. Followers have the
-/// guide's radii, colour and coordinates, and the curve is the guides'.
-///
-/// # Errors
-/// [`InvalidValue`](crate::Error::InvalidValue): a setting out of its range or not finite; more than
-/// [`MAX_INTERPOLATED_STRANDS`] strands, or more points than a groom can have; a follower too far away for its numbers.
-pub fn interpolate_clumps(guides: &Strands, settings: &ClumpSettings) -> Result<Strands> {
+/// One follower's place beside its guide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Follower {
+    /// The direction from the guide, in its frame.
+    pub(crate) cos: f32,
+    pub(crate) sin: f32,
+    /// The distance from the guide at the root.
+    pub(crate) distance: f32,
+    /// Displacement of the tip over the strand's length.
+    pub(crate) stray: Vec3,
+}
+
+/// The followers of every guide in turn.
+fn followers(guides: &Strands, settings: &ClumpSettings) -> Result<Vec<Follower>> {
     check_not_negative("root_radius", settings.root_radius)?;
     check_not_negative("tip_factor", settings.tip_factor)?;
     check_stray(&settings.stray)?;
@@ -161,22 +256,40 @@ pub fn interpolate_clumps(guides: &Strands, settings: &ClumpSettings) -> Result<
             settings.followers
         );
     }
-    let copies = |values: &[f32], guide: usize| values[guides.range(guide)].repeat(each as usize);
-    let mut points = Vec::with_capacity(point_count as usize);
+    let follower = |(guide, number): (u32, u32)| {
+        let strand = guide * (settings.followers + 1) + 1 + number;
+        let mut draws = Draws::new(strand, settings.seed);
+        // The square root makes places uniform over the disc.
+        let (distance, angle) = (
+            draws.uniform().sqrt(),
+            std::f32::consts::TAU * draws.uniform(),
+        );
+        let (sin, cos) = angle.sin_cos();
+        Follower {
+            cos,
+            sin,
+            distance: distance * settings.root_radius,
+            stray: stray(&mut draws, &settings.stray),
+        }
+    };
+    let numbers = |guide| (0..settings.followers).map(move |number| (guide, number));
+    let guides = 0..guides.strand_count() as u32;
+    Ok(guides.flat_map(numbers).map(follower).collect())
+}
+
+/// Guides and their followers.
+fn surround(guides: &Strands, followers: &[Follower], settings: &ClumpSettings) -> Result<Strands> {
+    let each = settings.followers as usize + 1;
+    let copies = |values: &[f32], guide: usize| values[guides.range(guide)].repeat(each);
+    let mut points = Vec::with_capacity(guides.points().len() * each);
     let (mut radii, mut coordinates) = (Vec::new(), Vec::new());
     let (mut counts, mut colours) = (Vec::new(), Vec::new());
+    surround_points(guides, followers, settings, &mut points);
     for guide in 0..guides.strand_count() {
-        let range = guides.range(guide);
-        let frames = transported_frames(&guides.points()[range.clone()]);
-        points.extend_from_slice(&guides.points()[range.clone()]);
-        for follower in 0..settings.followers {
-            let mut draws = Draws::new(counts.len() as u32 + 1 + follower, settings.seed);
-            follow(guides, guide, &frames, &mut draws, settings, &mut points);
-        }
         radii.extend(copies(guides.radii(), guide));
         coordinates.extend(copies(guides.coordinates(), guide));
-        counts.resize(counts.len() + each as usize, range.len() as u32);
-        colours.resize(colours.len() + each as usize, guides.colours()[guide]);
+        counts.resize(counts.len() + each, guides.range(guide).len() as u32);
+        colours.resize(colours.len() + each, guides.colours()[guide]);
     }
     let strands = Strands::new(points, &counts, 0.0)?
         .with_point_radii(radii)?
@@ -184,13 +297,40 @@ pub fn interpolate_clumps(guides: &Strands, settings: &ClumpSettings) -> Result<
     Ok(strands.with_colours(colours)?.with_curve(guides.curve()))
 }
 
+/// Appends the points of every guide and its followers.
+fn surround_points(
+    guides: &Strands,
+    followers: &[Follower],
+    settings: &ClumpSettings,
+    points: &mut Vec<[f32; 3]>,
+) {
+    let each = settings.followers as usize;
+    for guide in 0..guides.strand_count() {
+        let range = guides.range(guide);
+        let frames = transported_frames(&guides.points()[range.clone()]);
+        points.extend_from_slice(&guides.points()[range]);
+        for follower in &followers[guide * each..][..each] {
+            follow(guides, guide, &frames, follower, settings, points);
+        }
+    }
+}
+
 /// Blends one strand per placement out of the guides.
 pub(crate) fn blend(guides: &EvenGuides, placements: &[Placement]) -> Result<Strands> {
+    let (points, radii) = blended(guides, placements);
+    let colour = |placement: &Placement| guides.colour(placement.guides, placement.root);
+    let counts = vec![guides.points_each as u32; placements.len()];
+    let strands = Strands::new(points, &counts, 0.0)?.with_point_radii(radii)?;
+    let strands = strands.with_colours(placements.iter().map(colour).collect())?;
+    Ok(strands.with_curve(guides.curve))
+}
+
+/// Positions and radii of one strand per placement.
+fn blended(guides: &EvenGuides, placements: &[Placement]) -> (Vec<[f32; 3]>, Vec<f32>) {
     let n = guides.points_each;
     let last = n.saturating_sub(1).max(1) as f32;
     let mut points = Vec::with_capacity(n * placements.len());
     let mut radii = Vec::with_capacity(n * placements.len());
-    let mut colours = Vec::with_capacity(placements.len());
     for placement in placements {
         let first = points.len();
         for i in 0..n {
@@ -203,11 +343,8 @@ pub(crate) fn blend(guides: &EvenGuides, placements: &[Placement]) -> Result<Str
             radii.push(guides.radius(placement.guides, weights, i).max(0.0));
         }
         lead_astray(&mut points[first..], placement.stray);
-        colours.push(guides.colour(placement.guides, placement.root));
     }
-    let counts = vec![n as u32; placements.len()];
-    let strands = Strands::new(points, &counts, 0.0)?.with_point_radii(radii)?;
-    Ok(strands.with_colours(colours)?.with_curve(guides.curve))
+    (points, radii)
 }
 
 /// The root's and tip's weights of the strand with number `strand` in its triangle.
@@ -289,24 +426,17 @@ fn follow(
     guides: &Strands,
     guide: usize,
     frames: &[[Vec3; 2]],
-    draws: &mut Draws,
+    follower: &Follower,
     settings: &ClumpSettings,
     points: &mut Vec<[f32; 3]>,
 ) {
-    // The square root makes places uniform over the disc.
-    let (distance, angle) = (
-        draws.uniform().sqrt(),
-        std::f32::consts::TAU * draws.uniform(),
-    );
-    let (sin, cos) = angle.sin_cos();
-    let stray = stray(draws, &settings.stray);
     let first = points.len();
     for (at, [x, y]) in guides.range(guide).zip(frames) {
         let spread = 1.0 + (settings.tip_factor - 1.0) * guides.coordinates()[at];
-        let offset = (*x * cos + *y * sin) * (distance * settings.root_radius * spread);
+        let offset = (*x * follower.cos + *y * follower.sin) * (follower.distance * spread);
         points.push((Vec3::from(guides.points()[at]) + offset).to_array());
     }
-    lead_astray(&mut points[first..], stray);
+    lead_astray(&mut points[first..], follower.stray);
 }
 
 fn check_settings(settings: &InterpolationSettings) -> Result<()> {

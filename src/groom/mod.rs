@@ -4,11 +4,11 @@
 //! [`builtin`] makes a head and three hairstyles out of nothing; [`tessellate`] turns curves into polylines.
 
 mod builtin;
-mod even;
+pub(crate) mod even;
 pub mod formats;
 mod guides;
 mod hash;
-mod interpolate;
+pub(crate) mod interpolate;
 mod mesh;
 mod radius;
 mod scalp;
@@ -18,8 +18,8 @@ mod tessellate;
 pub use builtin::{BuiltinGroom, builtin, head_distance, head_mesh};
 pub use guides::Guides;
 pub use interpolate::{
-    ClumpSettings, InterpolationSettings, MAX_INTERPOLATED_STRANDS, Stray, interpolate_clumps,
-    interpolate_on_mesh,
+    ClumpSettings, GuidedStrands, InterpolationSettings, MAX_INTERPOLATED_STRANDS, Stray,
+    interpolate_clumps, interpolate_on_mesh,
 };
 pub use mesh::Mesh;
 pub use strands::{Curve, MAX_POINTS, Strands};

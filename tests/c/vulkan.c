@@ -3,6 +3,8 @@
  * first argument is what to do:
  *
  *     compare     pictures on the host's device and on one of the library's own are equal
+ *     outputs     depth, coverage, motion and ids beside the colour, in a rectangle too, are the library's own
+ *     moving      points and guides from the host's buffers
  *     formats     every format of colour and depth, many layouts, binary semaphores
  *     backlog     more frames than may be on their way
  *     refusals    what is wrong is refused with a sentence
@@ -146,6 +148,13 @@ static VKAPI_ATTR VkResult VKAPI_CALL wait_semaphores(VkDevice device, const VkS
     return REAL_DEVICE(vkWaitSemaphores)(device, info, timeout);
 }
 
+static VkBuffer points_buffer;
+
+static VKAPI_ATTR void VKAPI_CALL destroy_buffer(VkDevice device, VkBuffer buffer, const VkAllocationCallbacks *callbacks) {
+    watch.objects_taken += buffer && buffer == points_buffer;
+    REAL_DEVICE(vkDestroyBuffer)(device, buffer, callbacks);
+}
+
 static VKAPI_ATTR void VKAPI_CALL destroy_device(VkDevice device, const VkAllocationCallbacks *callbacks) {
     (void)device, (void)callbacks;
     watch.objects_taken++;
@@ -204,6 +213,7 @@ static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device(VkDevice device, cons
     INSTEAD("vkAllocateMemory", allocate_memory)
     INSTEAD("vkGetSemaphoreCounterValue", semaphore_value)
     INSTEAD("vkWaitSemaphores", wait_semaphores)
+    INSTEAD("vkDestroyBuffer", destroy_buffer)
     INSTEAD("vkDestroyDevice", destroy_device)
     return vkGetDeviceProcAddr(device, name);
 }
@@ -627,6 +637,157 @@ static void compare(void) {
     OK(pelage_context_destroy(context));
 }
 
+/* Fills an image with one value, and brings it into the layout that the library is told of. */
+static void fill_image(struct Texture *texture, const VkClearColorValue *value) {
+    VkCommandBuffer commands = begin();
+    VkImageSubresourceRange range = { VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1 };
+    move(commands, texture, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdClearColorImage(commands, texture->image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, value, 1, &range);
+    move(commands, texture, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, texture->image.layout_in);
+    submit(commands, VK_NULL_HANDLE, VK_NULL_HANDLE, 1);
+}
+
+/* What an output's image holds at a pixel, as numbers, and by how much its format may round. */
+static void decode_output(VkFormat format, const uint8_t *bytes, int at, double out[2], double *rounding) {
+    uint32_t words[2];
+    uint16_t halves[2];
+    float floats[2];
+    *rounding = 0.0;
+    out[1] = 0.0;
+    switch (format) {
+    case VK_FORMAT_R32_SFLOAT:
+        memcpy(floats, bytes + 4 * at, 4);
+        out[0] = (double)floats[0];
+        break;
+    case VK_FORMAT_R32G32_SFLOAT:
+        memcpy(floats, bytes + 8 * at, 8);
+        out[0] = (double)floats[0];
+        out[1] = (double)floats[1];
+        break;
+    case VK_FORMAT_R16_SFLOAT:
+        memcpy(halves, bytes + 2 * at, 2);
+        out[0] = (double)half(halves[0]);
+        *rounding = 1.0 / 1024.0;
+        break;
+    case VK_FORMAT_R16G16_SFLOAT:
+        memcpy(halves, bytes + 4 * at, 4);
+        out[0] = (double)half(halves[0]);
+        out[1] = (double)half(halves[1]);
+        *rounding = 1.0 / 128.0; /* motion of up to sixteen pixels */
+        break;
+    case VK_FORMAT_R8_UNORM:
+        out[0] = (double)bytes[at] / 255.0;
+        *rounding = 0.51 / 255.0;
+        break;
+    default:
+        memcpy(words, bytes + 8 * at, 8);
+        out[0] = (double)words[0];
+        out[1] = (double)words[1];
+    }
+}
+
+enum { OUTPUTS = 4 };
+static uint8_t own_outputs[OUTPUTS][SIDE * SIDE * 8];
+
+/* Outputs beside the colour, of a hair that has moved, into the whole images and into a part of them. */
+static void outputs(void) {
+    static const VkFormat FORMATS[3][OUTPUTS] = {
+        { VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_R32G32_UINT },
+        { VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT, VK_FORMAT_R16G16_SFLOAT, VK_FORMAT_R32G32_UINT },
+        { VK_FORMAT_R32_SFLOAT, VK_FORMAT_R8_UNORM, VK_FORMAT_UNDEFINED, VK_FORMAT_UNDEFINED },
+    };
+    static const VkImageLayout LAYOUTS[3] = { VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL };
+    static const VkFormat OWN[OUTPUTS] = { VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32_SFLOAT, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_R32G32_UINT };
+    static const uint32_t PART[4] = { 9, 5, 40, 48 };
+    const double before[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.02, 0.01, 0, 1 };
+    PelageContextDescriptor descriptor = PELAGE_CONTEXT_DESCRIPTOR_INIT;
+    descriptor.force_software = 1;
+    PelageContext own = { 0 }, context = open_context();
+    OK(pelage_context_create(&descriptor, &own));
+    struct Scene ours, theirs;
+    make_scene(&ours, own, 800, 0);
+    make_scene(&theirs, context, 800, 0);
+    OK(pelage_hair_set_previous_transform(ours.hair, before));
+    OK(pelage_hair_set_previous_transform(theirs.hair, before));
+    for (int way = 0; way < 3; way++) {
+        if (way > 0) {
+            memcpy(ours.view.rectangle, PART, sizeof PART);
+            memcpy(theirs.view.rectangle, PART, sizeof PART);
+        }
+        PelageTargetDescriptor image = PELAGE_TARGET_DESCRIPTOR_INIT;
+        PelageTarget target;
+        image.width = image.height = SIDE;
+        image.format = PELAGE_FORMAT_RGBA32F;
+        image.outputs = PELAGE_OUTPUT_NEAREST_DEPTH | PELAGE_OUTPUT_COVERAGE | PELAGE_OUTPUT_MOTION | PELAGE_OUTPUT_IDS;
+        OK(pelage_target_create(own, &image, &target));
+        OK(pelage_render(own, &ours.frame, target, PELAGE_RENDER_CLEAR));
+        OK(pelage_target_read_colour(target, expected, sizeof expected));
+        for (int which = 0; which < OUTPUTS; which++) {
+            OK(pelage_target_read_output(target, 1u << which, own_outputs[which], SIDE * SIDE * (which < 2 ? 4 : 8)));
+        }
+        OK(pelage_target_destroy(target));
+
+        struct Texture colour = make_texture(VK_FORMAT_R32G32B32A32_SFLOAT, SIDE, SIDE), images[OUTPUTS];
+        colour.image.layout_in = VK_IMAGE_LAYOUT_UNDEFINED;
+        PelageVulkanView view = view_of(&theirs, &colour, NULL, PELAGE_RENDER_CLEAR);
+        const PelageVulkanImage **fields[OUTPUTS] = { &view.nearest_depth, &view.coverage, &view.motion, &view.ids };
+        for (int which = 0; which < OUTPUTS; which++) {
+            if (!FORMATS[way][which]) {
+                continue;
+            }
+            images[which] = make_texture(FORMATS[way][which], SIDE, SIDE);
+            images[which].image.layout_in = LAYOUTS[way];
+            images[which].image.layout_out = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+            VkClearColorValue value = { .float32 = { 0.75f, 0.75f, 0.75f, 0.75f } };
+            if (which == 3) {
+                value.uint32[0] = value.uint32[1] = 42;
+            }
+            if (LAYOUTS[way]) {
+                fill_image(&images[which], &value);
+            }
+            *fields[which] = &images[which].image;
+        }
+        OK(render(context, &view, 1));
+        int hair = 0, wrong = 0, moved = 0, kept = 0;
+        read_back(&colour, colour.image.layout_out, VK_IMAGE_ASPECT_COLOR_BIT, VK_NULL_HANDLE);
+        for (int at = 0; at < SIDE * SIDE * 4; at++) {
+            wrong += fabsf(((const float *)host.bytes)[at] - expected[at]) > 1e-4f;
+        }
+        for (int which = 0; which < OUTPUTS; which++) {
+            if (!FORMATS[way][which]) {
+                continue;
+            }
+            read_back(&images[which], images[which].image.layout_out, VK_IMAGE_ASPECT_COLOR_BIT, VK_NULL_HANDLE);
+            for (int at = 0; at < SIDE * SIDE; at++) {
+                uint32_t x = (uint32_t)(at % SIDE), y = (uint32_t)(at / SIDE);
+                int inside = way == 0 || (x - PART[0] < PART[2] && y - PART[1] < PART[3]);
+                double is[2], shall[2], rounding, none;
+                decode_output(FORMATS[way][which], host.bytes, at, is, &rounding);
+                decode_output(OWN[which], own_outputs[which], at, shall, &none);
+                if (!inside) {
+                    wrong += fabs(is[0] - (which == 3 ? 42.0 : 0.75)) > rounding;
+                    kept++;
+                    continue;
+                }
+                wrong += fabs(is[0] - shall[0]) > rounding + (which == 3 ? 0.0 : 1e-4) || fabs(is[1] - shall[1]) > rounding + (which == 3 ? 0.0 : 1e-4);
+                hair += which == 1 && is[0] > 0.1;
+                moved += which == 2 && fabs(is[0]) > 1.0;
+            }
+        }
+        printf("outputs %d: %d values are wrong, %d pixels of hair, %d moved, %d kept\n", way, wrong, hair, moved, kept);
+        TRUE(wrong == 0 && hair > 200 && (moved > 200 || way == 2) && (kept > 1000 || way == 0));
+        OK(pelage_wait(context));
+        destroy_texture(&colour);
+        for (int which = 0; which < OUTPUTS; which++) {
+            if (FORMATS[way][which]) {
+                destroy_texture(&images[which]);
+            }
+        }
+    }
+    OK(pelage_context_destroy(own));
+    OK(pelage_context_destroy(context));
+}
+
 /* A format's pixel, and how far rounding may take it. */
 static void decode(VkFormat format, const uint8_t *at, float pixel[3], float *absolute, float *relative) {
     uint32_t word;
@@ -798,6 +959,268 @@ static void backlog(void) {
     destroy_texture(&colour);
 }
 
+/* ---- Hair that moves on the GPU ---- */
+
+enum { VERTEX = 20, BEFORE = 8, MOST_POINTS = 20000, GUIDES = 4, GUIDE_POINTS = 6 };
+
+static struct Staging {
+    VkBuffer buffers[3]; /* two to copy from, and the library's source */
+    VkDeviceMemory memories[3];
+    float *words[2];
+    VkDeviceSize size;
+} staging;
+
+static void make_staging(void) {
+    staging.size = BEFORE + (VkDeviceSize)MOST_POINTS * VERTEX;
+    for (int at = 0; at < 3; at++) {
+        VkBufferCreateInfo info = { .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO };
+        info.size = staging.size;
+        info.usage = at < 2 ? VK_BUFFER_USAGE_TRANSFER_SRC_BIT : VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+        VK(vkCreateBuffer(the_device, &info, NULL, &staging.buffers[at]));
+        VkMemoryRequirements needs;
+        vkGetBufferMemoryRequirements(the_device, staging.buffers[at], &needs);
+        staging.memories[at] = allocate(needs, at < 2 ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+        VK(vkBindBufferMemory(the_device, staging.buffers[at], staging.memories[at], 0));
+        if (at < 2) {
+            void *bytes;
+            VK(vkMapMemory(the_device, staging.memories[at], 0, VK_WHOLE_SIZE, 0, &bytes));
+            staging.words[at] = bytes;
+        }
+    }
+    points_buffer = staging.buffers[2];
+}
+
+static void free_staging(void) {
+    points_buffer = VK_NULL_HANDLE;
+    for (int at = 0; at < 3; at++) {
+        vkDestroyBuffer(the_device, staging.buffers[at], NULL);
+        vkFreeMemory(the_device, staging.memories[at], NULL);
+    }
+}
+
+/* Sends positions to the buffer, from one staging buffer or the other, without a wait or a semaphore. */
+static PelageVulkanPoints send_points(const float *positions, int count, int which) {
+    PelageVulkanPoints points = PELAGE_VULKAN_POINTS_INIT;
+    points.buffer = staging.buffers[2];
+    points.size = staging.size;
+    points.usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    points.offset = BEFORE;
+    points.stride = VERTEX;
+    for (int at = 0; at < count; at++) {
+        for (int axis = 0; axis < 3; axis++) {
+            float value = positions[3 * at + axis];
+            staging.words[which][BEFORE / 4 + at * (VERTEX / 4) + axis] = value;
+            points.low[axis] = at == 0 || (double)value < points.low[axis] ? (double)value : points.low[axis];
+            points.high[axis] = at == 0 || (double)value > points.high[axis] ? (double)value : points.high[axis];
+        }
+    }
+    VkCommandBuffer commands = begin();
+    VkBufferCopy copy = { 0, 0, staging.size };
+    vkCmdCopyBuffer(commands, staging.buffers[which], staging.buffers[2], 1, &copy);
+    submit(commands, VK_NULL_HANDLE, VK_NULL_HANDLE, 0);
+    return points;
+}
+
+/* Guides at the corners of a square, or moved aside. */
+static void place_guides(float *positions, float aside) {
+    for (int at = 0; at < GUIDES * GUIDE_POINTS; at++) {
+        int guide = at / GUIDE_POINTS, point = at % GUIDE_POINTS;
+        float along = (float)point / (float)(GUIDE_POINTS - 1);
+        positions[3 * at] = 0.2f * (float)(guide % 2) - 0.1f + aside * along * along;
+        positions[3 * at + 1] = 0.1f - 0.25f * along;
+        positions[3 * at + 2] = 0.2f * (float)(guide / 2) - 0.1f + 0.03f * along * (float)guide;
+    }
+}
+
+static PelageHair make_guided(PelageContext context, int on_mesh) {
+    float positions[GUIDES * GUIDE_POINTS * 3];
+    const uint32_t counts[GUIDES] = { GUIDE_POINTS, GUIDE_POINTS, GUIDE_POINTS, GUIDE_POINTS };
+    static const uint32_t TRIANGLES[6] = { 0, 1, 2, 1, 3, 2 };
+    place_guides(positions, 0.0f);
+    PelageStrands guides = PELAGE_STRANDS_INIT;
+    guides.curve = PELAGE_CURVE_CATMULL_ROM;
+    guides.positions = positions;
+    guides.point_count = GUIDES * GUIDE_POINTS;
+    guides.counts = counts;
+    guides.strand_count = GUIDES;
+    guides.root_radius = 0.001f;
+    guides.tip_radius = 0.0005f;
+    PelageHair hair = { 0 };
+    if (on_mesh) {
+        PelageInterpolationSettings settings = PELAGE_INTERPOLATION_SETTINGS_INIT;
+        settings.triangles = TRIANGLES;
+        settings.triangle_count = 2;
+        settings.density = 10000.0f;
+        OK(pelage_hair_create_guided_on_mesh(context, &guides, &settings, &hair));
+    } else {
+        PelageClumpSettings settings = PELAGE_CLUMP_SETTINGS_INIT;
+        settings.followers = 100;
+        settings.root_radius = 0.04f;
+        OK(pelage_hair_create_guided_clumps(context, &guides, &settings, &hair));
+    }
+    return hair;
+}
+
+/* Compares the host's picture of a view with that of the library's own device, motion among it. */
+static void compare_moving(const char *name, PelageContext own, const struct Scene *ours, PelageContext context, const struct Scene *theirs) {
+    PelageTargetDescriptor image = PELAGE_TARGET_DESCRIPTOR_INIT;
+    PelageTarget target;
+    image.width = image.height = SIDE;
+    image.format = PELAGE_FORMAT_RGBA32F;
+    image.outputs = PELAGE_OUTPUT_MOTION;
+    OK(pelage_target_create(own, &image, &target));
+    OK(pelage_render(own, &ours->frame, target, PELAGE_RENDER_CLEAR));
+    OK(pelage_target_read_colour(target, expected, sizeof expected));
+    OK(pelage_target_read_output(target, PELAGE_OUTPUT_MOTION, own_outputs[2], SIDE * SIDE * 8));
+    OK(pelage_target_destroy(target));
+    struct Texture colour = make_texture(VK_FORMAT_R32G32B32A32_SFLOAT, SIDE, SIDE), motion = make_texture(VK_FORMAT_R32G32_SFLOAT, SIDE, SIDE);
+    colour.image.layout_in = motion.image.layout_in = VK_IMAGE_LAYOUT_UNDEFINED;
+    PelageVulkanView view = view_of(theirs, &colour, NULL, PELAGE_RENDER_CLEAR);
+    view.motion = &motion.image;
+    OK(render(context, &view, 1));
+    read_back(&colour, colour.image.layout_out, VK_IMAGE_ASPECT_COLOR_BIT, VK_NULL_HANDLE);
+    float furthest = 0.0f, fastest = 0.0f;
+    int hair = 0, others = 0;
+    for (int at = 0; at < SIDE * SIDE * 4; at++) {
+        furthest = fmaxf(furthest, fabsf(((const float *)host.bytes)[at] - expected[at]));
+        hair += at % 4 == 3 && expected[at] > 0.1f;
+    }
+    read_back(&motion, motion.image.layout_out, VK_IMAGE_ASPECT_COLOR_BIT, VK_NULL_HANDLE);
+    for (int at = 0; at < SIDE * SIDE * 2; at++) {
+        float mine;
+        memcpy(&mine, own_outputs[2] + 4 * at, 4);
+        others += fabsf(((const float *)host.bytes)[at] - mine) > 1e-2f;
+        fastest = fmaxf(fastest, fabsf(mine));
+    }
+    printf("%s: differs by %g, %d motions, %d pixels of hair, up to %g px of motion\n", name, (double)furthest, others, hair, (double)fastest);
+    /* Where two fibres are equally near either may tell its motion. */
+    TRUE(furthest <= 1e-3f && others <= 8 && hair > 200 && fastest > 0.5f);
+    destroy_texture(&colour);
+    destroy_texture(&motion);
+}
+
+static void moving(void) {
+    static float positions[2][MOST_POINTS * 3];
+    PelageContextDescriptor descriptor = PELAGE_CONTEXT_DESCRIPTOR_INIT;
+    descriptor.force_software = 1;
+    PelageContext own = { 0 }, context = open_context();
+    OK(pelage_context_create(&descriptor, &own));
+    make_staging();
+    struct Scene ours, theirs;
+    make_scene(&ours, own, 400, 0);
+    make_scene(&theirs, context, 400, 0);
+    PelageShadow none = PELAGE_SHADOW_INIT;
+    none.technique = PELAGE_SHADOW_NONE;
+    ours.light.shadow = theirs.light.shadow = &none;
+
+    /* The strands' own points, twice in a row, each time with the buffer filled anew right before. */
+    PelageHairInfo info = PELAGE_HAIR_INFO_INIT;
+    OK(pelage_hair_info(theirs.hair, &info));
+    int count = (int)info.point_count;
+    TRUE(count > 1000 && count <= MOST_POINTS);
+    for (int step = 0; step < 2; step++) {
+        OK(pelage_hair_points(theirs.hair, positions[step], info.point_count * 12));
+        for (int at = 0; at < count; at++) {
+            positions[step][3 * at] += (0.2f * (float)step - 0.1f) * positions[step][3 * at + 1];
+        }
+        PelageVulkanPoints points = send_points(positions[step], count, step);
+        OK(pelage_vulkan_update_points(theirs.hair, &points));
+        REFUSED(PELAGE_CONFLICT, "still waiting for pelage_vulkan_render", pelage_hair_update_points(theirs.hair, positions[step], info.point_count));
+        OK(pelage_hair_update_points(ours.hair, positions[step], info.point_count));
+        compare_moving("points", own, &ours, context, &theirs);
+    }
+    /* A submission of no views takes an update too; the CPU's comes after it. */
+    PelageVulkanPoints points = send_points(positions[0], count, 0);
+    OK(pelage_vulkan_update_points(theirs.hair, &points));
+    OK(render(context, NULL, 0));
+    OK(pelage_hair_update_points(theirs.hair, positions[1], info.point_count));
+    OK(pelage_hair_update_points(ours.hair, positions[0], info.point_count));
+    OK(pelage_hair_update_points(ours.hair, positions[1], info.point_count));
+    compare_moving("points of the CPU after them", own, &ours, context, &theirs);
+
+    /* Guides, from a buffer and from the CPU. */
+    PelageHair plain[2] = { ours.hair, theirs.hair };
+    for (int on_mesh = 0; on_mesh < 2; on_mesh++) {
+        OK(pelage_wait(context));
+        ours.hair = make_guided(own, on_mesh);
+        theirs.hair = make_guided(context, on_mesh);
+        for (int step = 0; step < 3; step++) {
+            place_guides(positions[step % 2], 0.05f - 0.07f * (float)step);
+            if (step == 2) {
+                OK(pelage_hair_update_guides(theirs.hair, positions[0], GUIDES * GUIDE_POINTS));
+            } else {
+                points = send_points(positions[step], GUIDES * GUIDE_POINTS, step);
+                OK(pelage_vulkan_update_guides(theirs.hair, &points));
+            }
+            OK(pelage_hair_update_guides(ours.hair, positions[step % 2], GUIDES * GUIDE_POINTS));
+            compare_moving(on_mesh ? "guides on a mesh" : "guides of clumps", own, &ours, context, &theirs);
+        }
+        /* What fails leaves the update for the next submission. */
+        OK(pelage_wait(context));
+        place_guides(positions[0], 0.08f);
+        points = send_points(positions[0], GUIDES * GUIDE_POINTS, 0);
+        OK(pelage_vulkan_update_guides(theirs.hair, &points));
+        PelageVulkanView broken = PELAGE_VULKAN_VIEW_INIT;
+        REFUSED(PELAGE_INVALID_VALUE, "frame is NULL", render(context, &broken, 1));
+        OK(pelage_hair_update_guides(ours.hair, positions[0], GUIDES * GUIDE_POINTS));
+        compare_moving("after a refusal", own, &ours, context, &theirs);
+        /* A destroyed hair's update is harmless. */
+        OK(pelage_vulkan_update_guides(theirs.hair, &points));
+        OK(pelage_hair_destroy(theirs.hair));
+        OK(render(context, NULL, 0));
+    }
+
+    /* Rubbish is drawn without harm. */
+    theirs.hair = plain[1];
+    for (int at = 0; at < count * 3; at++) {
+        positions[0][at] = at % 3 ? (float)NAN : (float)INFINITY;
+    }
+    OK(pelage_wait(context));
+    points = send_points(positions[0], count, 0);
+    points.low[0] = points.low[1] = points.low[2] = -1.0;
+    points.high[0] = points.high[1] = points.high[2] = 1.0;
+    OK(pelage_vulkan_update_points(theirs.hair, &points));
+    struct Texture colour = make_texture(VK_FORMAT_R16G16B16A16_SFLOAT, SIDE, SIDE);
+    colour.image.layout_in = VK_IMAGE_LAYOUT_UNDEFINED;
+    PelageVulkanView view = view_of(&theirs, &colour, NULL, PELAGE_RENDER_CLEAR);
+    OK(render(context, &view, 1));
+    OK(pelage_wait(context));
+
+    /* What is wrong is named, and nothing is done. */
+#define WRONG_POINTS(status, words, change)                                            \
+    do {                                                                               \
+        PelageVulkanPoints wrong = points;                                             \
+        PelageHair hair = theirs.hair;                                                 \
+        change;                                                                        \
+        REFUSED(status, words, pelage_vulkan_update_points(hair, &wrong));             \
+    } while (0)
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "the buffer is NULL", wrong.buffer = VK_NULL_HANDLE);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "lacks VK_BUFFER_USAGE_STORAGE_BUFFER_BIT", wrong.usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "size 0", wrong.size = 0);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "size 3", wrong.size = 3);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "the buffer has 1000", wrong.size = 1003);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "offset 6", wrong.offset = 6);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "stride 8", wrong.stride = 8);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "make no box", wrong.low[1] = 2.0);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "make no box", wrong.high[2] = (double)NAN);
+    WRONG_POINTS(PELAGE_INVALID_VALUE, "struct_size 7", wrong.struct_size = 7);
+    WRONG_POINTS(PELAGE_UNSUPPORTED, "a device of its own", hair = plain[0]);
+    WRONG_POINTS(PELAGE_INVALID_HANDLE, "NULL", hair.id = 0);
+    REFUSED(PELAGE_INVALID_VALUE, "points is NULL", pelage_vulkan_update_points(theirs.hair, NULL));
+    REFUSED(PELAGE_INVALID_VALUE, "the hair has no guides", pelage_vulkan_update_guides(theirs.hair, &points));
+    REFUSED(PELAGE_INVALID_VALUE, "the hair has no guides", pelage_hair_update_guides(theirs.hair, positions[1], 3));
+    REFUSED(PELAGE_INVALID_VALUE, "24 points", pelage_hair_update_guides(ours.hair, positions[1], 3));
+    REFUSED(PELAGE_INVALID_VALUE, "positions is NULL", pelage_hair_update_guides(ours.hair, NULL, 24));
+
+    /* A context may end with an update that no submission has taken. */
+    OK(pelage_vulkan_update_points(theirs.hair, &points));
+    OK(pelage_context_destroy(context));
+    OK(pelage_context_destroy(own));
+    TRUE(watch.objects_taken == 0);
+    destroy_texture(&colour);
+    free_staging();
+}
+
 /* A copy of the submission of one view, with one thing changed. */
 #define WITH(status, words, change)                                          \
     do {                                                                     \
@@ -836,6 +1259,8 @@ static void refusals(void) {
     make_scene(&scene, context, 50, 0);
     make_scene(&foreign, own, 50, 0);
     struct Texture good_colour = make_texture(VK_FORMAT_R16G16B16A16_SFLOAT, SIDE, SIDE), good_depth = make_texture(VK_FORMAT_D32_SFLOAT, SIDE, SIDE);
+    struct Texture good_output = make_texture(VK_FORMAT_R32_SFLOAT, SIDE, SIDE);
+    const uint32_t part[4] = { 8, 8, 16, 16 };
     VkSemaphoreCreateInfo info = { .sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO };
     VkSemaphore semaphore;
     VK(vkCreateSemaphore(the_device, &info, NULL, &semaphore));
@@ -860,6 +1285,19 @@ static void refusals(void) {
     WITH(WRONG, "colour: layout_out is VK_IMAGE_LAYOUT_UNDEFINED", colour.image.layout_out = VK_IMAGE_LAYOUT_UNDEFINED);
     WITH(WRONG, "depth: layout_in 9999", depth.image.layout_in = 9999);
     WITH(WRONG, "depth is the same image as colour", depth.image.image = colour.image.image);
+    WITH(WRONG, "coverage: format D32_SFLOAT", view.coverage = &depth.image);
+    WITH(WRONG, "ids: format R16G16B16A16_SFLOAT", view.ids = &colour.image);
+    WITH(WRONG, "motion: the image is NULL", colour.image.format = VK_FORMAT_R16G16_SFLOAT; colour.image.image = VK_NULL_HANDLE;
+         view.colour = &good_colour.image; view.motion = &colour.image);
+    WITH(WRONG, "nearest_depth is the same image as colour", colour.image.format = VK_FORMAT_R32_SFLOAT; view.colour = &good_colour.image;
+         view.nearest_depth = &colour.image);
+    WITH(WRONG, "coverage: layout_in is VK_IMAGE_LAYOUT_UNDEFINED", depth.image = good_output.image; view.depth = NULL;
+         view.coverage = &depth.image; depth.image.layout_in = VK_IMAGE_LAYOUT_UNDEFINED; memcpy(scene.view.rectangle, part, sizeof part));
+    memset(scene.view.rectangle, 0, sizeof part);
+    WITH(WRONG, "the target's coverage is 32", depth.image = good_output.image; view.depth = NULL; view.coverage = &depth.image;
+         depth.image.width = 32);
+    WITH(WRONG, "coverage: the image's usage lacks VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT", depth.image = good_output.image; view.depth = NULL;
+         view.coverage = &depth.image; depth.image.usage = VK_IMAGE_USAGE_SAMPLED_BIT);
     WITH(WRONG, "struct_size 3", colour.image.struct_size = 3);
     WITH(WRONG, "colour is NULL", view.colour = NULL);
     WITH(WRONG, "frame is NULL", view.frame = NULL);
@@ -927,6 +1365,7 @@ static void refusals(void) {
     OK(pelage_context_destroy(context));
     OK(pelage_context_destroy(own));
     vkDestroySemaphore(the_device, semaphore, NULL);
+    destroy_texture(&good_output);
     destroy_texture(&good_colour);
     destroy_texture(&good_depth);
 }
@@ -1117,7 +1556,7 @@ static void hazard(void) {
 int main(int argc, char **argv) {
     const char *what = argc > 1 ? argv[1] : "";
     static const struct { const char *name; void (*run)(void); } runs[] = {
-        { "compare", compare }, { "formats", formats }, { "backlog", backlog }, { "refusals", refusals }, { "short", short_devices },
+        { "compare", compare }, { "outputs", outputs }, { "moving", moving }, { "formats", formats }, { "backlog", backlog }, { "refusals", refusals }, { "short", short_devices },
         { "lock", locks }, { "lost", lost }, { "hazard", hazard },
     };
     int ran = 0;

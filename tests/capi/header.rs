@@ -344,7 +344,22 @@ fn initialisers() -> String {
         flags,
         frame,
         colour,
-        depth
+        depth,
+        nearest_depth,
+        coverage,
+        motion,
+        ids
+    );
+    initialiser!(
+        PelageVulkanPoints,
+        "PELAGE_VULKAN_POINTS_INIT",
+        usage,
+        buffer,
+        size,
+        offset,
+        stride,
+        low,
+        high
     );
     initialiser!(
         PelageVulkanSemaphore,

@@ -264,6 +264,7 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageVulkanDevice,
         PelageVulkanImage,
         PelageVulkanView,
+        PelageVulkanPoints,
         PelageVulkanSemaphore,
         PelageVulkanSubmit,
         PelageWindow,

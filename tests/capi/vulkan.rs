@@ -63,6 +63,22 @@ fn pictures_on_the_hosts_device_are_those_of_the_librarys_own() {
 }
 
 #[test]
+fn outputs_on_the_hosts_device_are_those_of_the_librarys_own() {
+    let printed = goes_right(&["outputs"]);
+    assert_eq!(
+        printed.matches(": 0 values are wrong").count(),
+        3,
+        "{printed}"
+    );
+}
+
+#[test]
+fn hair_moves_by_the_hosts_buffers_as_it_does_by_the_cpus_arrays() {
+    let printed = goes_right(&["moving"]);
+    assert_eq!(printed.matches("px of motion").count(), 11, "{printed}");
+}
+
+#[test]
 fn every_format_and_layout_is_drawn_into_and_several_views_at_once() {
     let printed = goes_right(&["formats"]);
     assert_eq!(

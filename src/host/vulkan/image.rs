@@ -34,6 +34,14 @@ pub enum Aspect {
     Colour,
     /// The depth that hides hair.
     Depth,
+    /// [`crate::Outputs::nearest_depth`].
+    NearestDepth,
+    /// [`crate::Outputs::coverage`].
+    Coverage,
+    /// [`crate::Outputs::motion`].
+    Motion,
+    /// [`crate::Outputs::ids`].
+    Ids,
 }
 
 const COLOURS: [(vk::Format, TextureFormat); 8] = [
@@ -67,6 +75,22 @@ const DEPTHS: [(vk::Format, TextureFormat); 5] = [
     ),
 ];
 
+const NEAREST_DEPTHS: [(vk::Format, TextureFormat); 1] =
+    [(vk::Format::R32_SFLOAT, TextureFormat::R32Float)];
+
+const COVERAGES: [(vk::Format, TextureFormat); 3] = [
+    (vk::Format::R32_SFLOAT, TextureFormat::R32Float),
+    (vk::Format::R16_SFLOAT, TextureFormat::R16Float),
+    (vk::Format::R8_UNORM, TextureFormat::R8Unorm),
+];
+
+const MOTIONS: [(vk::Format, TextureFormat); 2] = [
+    (vk::Format::R32G32_SFLOAT, TextureFormat::Rg32Float),
+    (vk::Format::R16G16_SFLOAT, TextureFormat::Rg16Float),
+];
+
+const IDS: [(vk::Format, TextureFormat); 1] = [(vk::Format::R32G32_UINT, TextureFormat::Rg32Uint)];
+
 /// The colour formats that there are, whether or not a device can blend them.
 pub fn colour_formats() -> impl Iterator<Item = vk::Format> {
     COLOURS.into_iter().map(|(format, _)| format)
@@ -92,8 +116,10 @@ impl Formats {
         let has = |(format, ours): &(vk::Format, TextureFormat)| {
             let needed = if ours.has_depth_aspect() {
                 vk::FormatFeatureFlags::SAMPLED_IMAGE
-            } else {
+            } else if COLOURS.iter().any(|(colour, _)| colour == format) {
                 vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND
+            } else {
+                vk::FormatFeatureFlags::COLOR_ATTACHMENT
             };
             // SAFETY: the physical device belongs to the instance.
             let properties =
@@ -102,7 +128,9 @@ impl Formats {
                 && features.contains(ours.required_features())
                 && properties.optimal_tiling_features.contains(needed)
         };
-        Self(COLOURS.into_iter().chain(DEPTHS).filter(has).collect())
+        let outputs = [&NEAREST_DEPTHS[..], &COVERAGES, &MOTIONS, &IDS].concat();
+        let all = COLOURS.into_iter().chain(DEPTHS).chain(outputs);
+        Self(all.filter(has).collect())
     }
 
     fn find(&self, format: vk::Format) -> Option<TextureFormat> {
@@ -132,11 +160,11 @@ impl Image {
             return invalid!("{name}: an image of {width}×{height} pixels");
         }
         let (needed, word) = match aspect {
-            Aspect::Colour => (
+            Aspect::Depth => (vk::ImageUsageFlags::SAMPLED, "VK_IMAGE_USAGE_SAMPLED_BIT"),
+            _ => (
                 vk::ImageUsageFlags::COLOR_ATTACHMENT,
                 "VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT",
             ),
-            Aspect::Depth => (vk::ImageUsageFlags::SAMPLED, "VK_IMAGE_USAGE_SAMPLED_BIT"),
         };
         if !self.usage.contains(needed) {
             return invalid!("{name}: the image's usage lacks {word}");
@@ -160,6 +188,10 @@ impl Image {
         let listed: &[_] = match aspect {
             Aspect::Colour => &COLOURS,
             Aspect::Depth => &DEPTHS,
+            Aspect::NearestDepth => &NEAREST_DEPTHS,
+            Aspect::Coverage => &COVERAGES,
+            Aspect::Motion => &MOTIONS,
+            Aspect::Ids => &IDS,
         };
         if !listed.iter().any(own) {
             let possible: Vec<_> = listed
@@ -208,10 +240,14 @@ fn layout_fits(name: &str, which: &str, layout: vk::ImageLayout) -> Result<()> {
 }
 
 impl Aspect {
-    fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Colour => "colour",
             Self::Depth => "depth",
+            Self::NearestDepth => "nearest_depth",
+            Self::Coverage => "coverage",
+            Self::Motion => "motion",
+            Self::Ids => "ids",
         }
     }
 }
@@ -254,12 +290,6 @@ impl Wrapped {
         };
         // As little as the library uses: a texture needs no more of the image's usage.
         let (state, layout, aspects, usage) = match aspect {
-            Aspect::Colour => (
-                TextureUses::COLOR_TARGET,
-                vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
-                vk::ImageAspectFlags::COLOR,
-                TextureUsages::RENDER_ATTACHMENT,
-            ),
             Aspect::Depth => {
                 let stencil = if format.has_stencil_aspect() {
                     vk::ImageAspectFlags::STENCIL
@@ -281,6 +311,12 @@ impl Wrapped {
                     TextureUsages::TEXTURE_BINDING | attachment,
                 )
             }
+            _ => (
+                TextureUses::COLOR_TARGET,
+                vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+                vk::ImageAspectFlags::COLOR,
+                TextureUsages::RENDER_ATTACHMENT,
+            ),
         };
         // SAFETY: nothing of the raw device is kept or destroyed.
         let Some(raw) = (unsafe { device.as_hal::<Hal>() }) else {
@@ -288,8 +324,8 @@ impl Wrapped {
         };
         let uses = if usage.contains(TextureUsages::RENDER_ATTACHMENT) {
             match aspect {
-                Aspect::Colour => TextureUses::COLOR_TARGET,
                 Aspect::Depth => TextureUses::RESOURCE | TextureUses::DEPTH_STENCIL_WRITE,
+                _ => TextureUses::COLOR_TARGET,
             }
         } else {
             TextureUses::RESOURCE

@@ -9,6 +9,7 @@
 //! its last. So a host that submits to the same queue before and after needs no semaphore at all, and one that uses
 //! another queue needs nothing but semaphores.
 
+mod buffer;
 mod device;
 mod image;
 mod queue;
@@ -19,6 +20,7 @@ use std::sync::{Arc, OnceLock};
 pub use ash;
 use ash::vk;
 
+pub use buffer::Points;
 pub use device::{DeviceDescriptor, HostInstance};
 pub use image::{Aspect, Image, colour_formats, depth_formats};
 pub use queue::{QueueLock, Semaphore};
@@ -26,7 +28,9 @@ pub use requirements::{FEATURE_STORAGE, Requirements, requirements};
 
 use self::image::Wrapped;
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Target};
+use crate::frame::{Frame, Outputs, Target};
+use crate::gather::PointSource;
+use crate::geometry::Hair;
 use crate::renderer::Renderer;
 use crate::resources::RING;
 
@@ -53,6 +57,33 @@ pub struct View<'a> {
     pub receive_shadow: bool,
     /// As of [`Target::rectangle`].
     pub rectangle: Option<[u32; 4]>,
+    /// What else is written.
+    pub outputs: ViewOutputs<'a>,
+}
+
+/// The host's images for [`crate::Outputs`], all of the colour's size, with the usage `COLOR_ATTACHMENT`. What they hold
+/// outside the view's rectangle is kept, so that only a view that fills them takes the layout `UNDEFINED`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ViewOutputs<'a> {
+    /// `R32_SFLOAT`.
+    pub nearest_depth: Option<&'a Image>,
+    /// `R32_SFLOAT`, `R16_SFLOAT` or `R8_UNORM`.
+    pub coverage: Option<&'a Image>,
+    /// `R32G32_SFLOAT` or `R16G16_SFLOAT`.
+    pub motion: Option<&'a Image>,
+    /// `R32G32_UINT`.
+    pub ids: Option<&'a Image>,
+}
+
+impl<'a> ViewOutputs<'a> {
+    fn images(&self) -> [(Aspect, Option<&'a Image>); 4] {
+        [
+            (Aspect::NearestDepth, self.nearest_depth),
+            (Aspect::Coverage, self.coverage),
+            (Aspect::Motion, self.motion),
+            (Aspect::Ids, self.ids),
+        ]
+    }
 }
 
 /// A context on the host's device.
@@ -61,6 +92,8 @@ pub struct Vulkan {
     renderer: Option<Renderer>,
     device: ash::Device,
     formats: image::Formats,
+    /// What the next submission does before its views.
+    ahead: Vec<wgpu::CommandBuffer>,
     lock: Option<Arc<dyn QueueLock>>,
     lost: Arc<OnceLock<String>>,
     info: wgpu::AdapterInfo,
@@ -92,6 +125,7 @@ impl Vulkan {
             renderer: None,
             device: opened.raw,
             formats: opened.formats,
+            ahead: Vec::new(),
             lock: descriptor.lock.clone(),
             lost,
             info: opened.info,
@@ -126,6 +160,70 @@ impl Vulkan {
             None => result,
             Some(reason) => Err(lost_just_now(reason)),
         }
+    }
+
+    /// Records commands that the next submission of [`Vulkan::render`] does before its views. The calls that
+    /// [`Renderer`] documents as waiting for a submission wait for that one.
+    ///
+    /// # Errors
+    /// Those of `call`; a lost device. Nothing is then recorded.
+    pub fn record_ahead(
+        &mut self,
+        call: impl FnOnce(&mut Renderer, &mut wgpu::CommandEncoder) -> Result<()>,
+    ) -> Result<()> {
+        self.alive()?;
+        let renderer = self.renderer.as_mut().ok_or_else(gone)?;
+        let device = renderer.device().clone();
+        let errors = Errors::watch(&device);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
+            label: Some("pelage.vulkan.ahead"),
+        });
+        let recorded = call(renderer, &mut encoder).map(|()| encoder.finish());
+        let found = errors.take();
+        let commands = self.settle(recorded, found)?;
+        self.ahead.push(commands);
+        Ok(())
+    }
+
+    /// Whether anything waits for the next submission.
+    pub fn is_ahead(&self) -> bool {
+        !self.ahead.is_empty()
+    }
+
+    /// Moves a hair by a buffer of the host's: [`Renderer::update_points_from`], or with `guides`
+    /// [`Renderer::update_guides_from`], in the next submission of [`Vulkan::render`], before its views.
+    ///
+    /// A full barrier stands before and after what reads the buffer, so that what fills it, or fills it again, needs no
+    /// semaphore on the same queue.
+    ///
+    /// # Errors
+    /// A buffer that is NULL or lacks the usage `STORAGE_BUFFER`; those of the two functions.
+    ///
+    /// # Safety
+    /// The buffer is what it is said to be, bound to memory, and stays valid until the GPU is done with the next
+    /// submission, or the context is dropped.
+    pub unsafe fn update_from(
+        &mut self,
+        hair: &mut Hair,
+        source: &Points,
+        guides: bool,
+    ) -> Result<()> {
+        source.validate()?;
+        self.record_ahead(|renderer, encoder| {
+            // SAFETY: the host's promise is passed on.
+            let buffer = unsafe { source.wrap(renderer.device()) }?;
+            let source = PointSource {
+                buffer: &buffer,
+                offset: source.offset,
+                stride: source.stride,
+                bounds: source.bounds,
+            };
+            if guides {
+                renderer.update_guides_from(encoder, hair, &source)
+            } else {
+                renderer.update_points_from(encoder, hair, &source)
+            }
+        })
     }
 
     /// Records views into one submission and hands it to the queue. Waits for nothing, unless more than [`MAX_VIEWS`]
@@ -172,11 +270,27 @@ impl Vulkan {
             .collect::<Result<Vec<_>>>();
         let found = errors.take();
         let recorded = self.settle(recorded, found)?;
+        let before = self.precede(&device)?;
+        let commands = before.into_iter().chain(recorded.into_iter().flatten());
         let errors = Errors::watch(&device);
         // SAFETY: the host's promise is passed on.
-        let submitted = unsafe { self.submit(recorded, waits, signals) };
+        let submitted = unsafe { self.submit(commands, waits, signals) };
         let found = errors.take();
         self.settle(submitted, found)
+    }
+
+    /// What comes before the views: a barrier, what has been recorded ahead, a barrier.
+    fn precede(&mut self, device: &wgpu::Device) -> Result<Vec<wgpu::CommandBuffer>> {
+        if self.ahead.is_empty() {
+            return Ok(Vec::new());
+        }
+        // SAFETY: no image is named.
+        let barrier = || unsafe { image::record_barriers(device, &self.device, &[]) };
+        let (first, last) = (barrier()?, barrier()?);
+        let mut commands = vec![first];
+        commands.append(&mut self.ahead);
+        commands.push(last);
+        Ok(commands)
     }
 
     /// One view's commands: a barrier, the frame, a barrier.
@@ -192,7 +306,15 @@ impl Vulkan {
             .depth
             .map(|image| wrap(image, Aspect::Depth))
             .transpose()?;
-        let images = || [Some(&colour), depth.as_ref()].into_iter().flatten();
+        let mut outputs = [const { None }; 4];
+        for (output, (aspect, image)) in outputs.iter_mut().zip(view.outputs.images()) {
+            *output = image.map(|image| wrap(image, aspect)).transpose()?;
+        }
+        let images = || {
+            let given = [Some(&colour), depth.as_ref()].into_iter();
+            given.chain(outputs.iter().map(Option::as_ref)).flatten()
+        };
+        let output = |at: usize| outputs[at].as_ref().map(|output| &output.texture);
 
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("pelage.vulkan"),
@@ -204,7 +326,12 @@ impl Vulkan {
             write_depth: view.write_depth,
             receive_shadow: view.receive_shadow,
             rectangle: view.rectangle,
-            outputs: Default::default(),
+            outputs: Outputs {
+                nearest_depth: output(0),
+                coverage: output(1),
+                motion: output(2),
+                ids: output(3),
+            },
         };
         renderer.record(&mut encoder, view.frame, &target)?;
         encoder.transition_resources(
@@ -226,7 +353,7 @@ impl Vulkan {
     /// Hands recorded views to the queue, with the host's lock held.
     unsafe fn submit(
         &mut self,
-        recorded: Vec<[wgpu::CommandBuffer; 3]>,
+        recorded: impl Iterator<Item = wgpu::CommandBuffer>,
         waits: &[Semaphore],
         signals: &[Semaphore],
     ) -> Result<()> {
@@ -243,7 +370,7 @@ impl Vulkan {
         for signal in signals {
             raw.add_signal_semaphore(signal.semaphore, signal.value);
         }
-        queue.submit(recorded.into_iter().flatten());
+        queue.submit(recorded);
         // What a failed submission has left over is not for the next one.
         for wait in waits {
             raw.remove_wait_semaphore(wait.semaphore);
@@ -287,7 +414,9 @@ impl Drop for Vulkan {
     /// Waits for the queue, with the host's lock held.
     fn drop(&mut self) {
         let renderer = self.renderer.take();
+        let ahead = std::mem::take(&mut self.ahead);
         let _held = self.hold();
+        drop(ahead);
         drop(renderer);
     }
 }
@@ -300,19 +429,33 @@ impl View<'_> {
                 "colour: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds; clear it, or name its layout"
             );
         }
-        let Some(depth) = self.depth else {
-            return Ok(());
-        };
-        depth.validate(Aspect::Depth, formats)?;
-        if depth.layout_in == vk::ImageLayout::UNDEFINED {
-            return invalid!(
-                "depth: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds"
-            );
-        }
-        if depth.image == self.colour.image {
-            return invalid!("depth is the same image as colour");
+        let vk::Extent2D { width, height } = self.colour.extent;
+        let fills = self
+            .rectangle
+            .is_none_or(|area| area == [0, 0, width, height]);
+        let mut seen = vec![(Aspect::Colour, self.colour)];
+        for (aspect, image) in self.others() {
+            image.validate(aspect, formats)?;
+            let name = aspect.name();
+            let kept = aspect == Aspect::Depth || !fills;
+            if image.layout_in == vk::ImageLayout::UNDEFINED && kept {
+                return invalid!(
+                    "{name}: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds"
+                );
+            }
+            if let Some((other, _)) = seen.iter().find(|(_, other)| other.image == image.image) {
+                return invalid!("{name} is the same image as {}", other.name());
+            }
+            seen.push((aspect, image));
         }
         Ok(())
+    }
+
+    /// The images that are given beside the colour.
+    fn others(&self) -> impl Iterator<Item = (Aspect, &Image)> {
+        std::iter::once((Aspect::Depth, self.depth))
+            .chain(self.outputs.images())
+            .filter_map(|(aspect, image)| Some((aspect, image?)))
     }
 }
 
