@@ -20,14 +20,15 @@ const ALPHA: f64 = 1e-3;
 /// A pixel whose transmittance is below this is not composited further.
 const UNSEEN: f64 = 1.0 / 4096.0;
 /// Errors of the colour with a tenth of the pool over covered pixels, where a white point is about 0.5. Counted arrays
-/// keep the nearest: measured RMSE 0.011, p99 0.049. Lists keep whichever came first: 0.030 and 0.135.
+/// keep the nearest: measured RMSE 0.011, p99 0.049. Lists keep whichever came first, which is the scheduler's choice: 0.024 to
+/// 0.034 and 0.115 to 0.161 over several runs.
 const COUNTED: Tolerance = Tolerance {
     rmse: 0.015,
     p99: 0.07,
 };
 const LISTS: Tolerance = Tolerance {
-    rmse: 0.04,
-    p99: 0.16,
+    rmse: 0.06,
+    p99: 0.25,
 };
 /// The promise of the whole pool.
 const EXACT: Tolerance = Tolerance {
