@@ -12,8 +12,7 @@ struct ReceiveVertex {
 
 @vertex
 fn receive_vertex(@builtin(vertex_index) vertex: u32) -> ReceiveVertex {
-    let corner = vec2f(f32((vertex << 1u) & 2u), f32(vertex & 2u));
-    return ReceiveVertex(vec4f(corner * 2.0 - 1.0, 0.0, 1.0), frame.light_count);
+    return ReceiveVertex(fullscreen_corner(vertex, 0.0), frame.light_count);
 }
 
 @fragment

@@ -50,7 +50,7 @@ pub(crate) fn receive(
         operation: wgpu::BlendOperation::Add,
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: Module::new(shadow::look_up(true)).and(&["receive"]),
+        module: Module::new(shadow::look_up(true)).and(&["common/fullscreen", "receive"]),
         vertex: "receive_vertex",
         fragment: "receive",
         groups: &[Group::Frame, Group::MapsRead],
@@ -108,8 +108,9 @@ pub(crate) fn record(
         wgpu::CompareFunction::LessEqual
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: transparency::resolve_module(&plan.transparency, plan.parts).and(&["composite"]),
-        vertex: "composite_vertex",
+        module: transparency::resolve_module(&plan.transparency, plan.parts)
+            .and(&["common/fullscreen", "composite"]),
+        vertex: "fullscreen_vertex",
         fragment: if depth.is_some() {
             "composite_with_depth"
         } else {
@@ -189,9 +190,9 @@ pub(crate) fn outputs(
     };
     let pipeline = gpu.render(key, || RenderSpec {
         module: transparency::resolve_module(&plan.transparency, plan.parts)
-            .and(&["outputs"])
+            .and(&["common/fullscreen", "outputs"])
             .with("TRACKED", Constant::Bool(tracked)),
-        vertex: "outputs_vertex",
+        vertex: "fullscreen_vertex",
         fragment: "outputs",
         groups: &[Group::Frame, Group::PointOutputs, Group::PixelsRead],
         topology: wgpu::PrimitiveTopology::TriangleList,
@@ -232,8 +233,9 @@ pub(crate) fn outputs_none(
         ..PipelineKey::new(label)
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: Module::new(&["outputs_none"]).with("REVERSE_Z", Constant::Bool(plan.reverse_z)),
-        vertex: "outputs_vertex",
+        module: Module::new(&["common/fullscreen", "outputs_none"])
+            .with("REVERSE_Z", Constant::Bool(plan.reverse_z)),
+        vertex: "fullscreen_vertex",
         fragment: "outputs",
         groups: &[],
         topology: wgpu::PrimitiveTopology::TriangleList,

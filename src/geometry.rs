@@ -95,12 +95,11 @@ pub(crate) struct Geometry {
     pub strands: Strands,
     pub order: Vec<u32>,
     pub pieces: u32,
-    /// What moving hair keeps: its points as last packed, and as they were before, with their origin.
-    packed: Vec<Point>,
+    /// What moving hair keeps: its points as they were before, with their origin.
     pub previous: Option<(Allocation, DVec3)>,
     /// Whether the points have moved since the frame before.
     pub moved: bool,
-    /// Whether the points are of the GPU's making, so that `strands` and `packed` do not know them.
+    /// Whether the points are of the GPU's making, so that `strands` does not know them.
     pub gathered: bool,
     /// Which of the host's points each point comes from, once that has been asked for.
     pub places: Option<Allocation>,
@@ -227,7 +226,6 @@ impl Geometry {
             strands: strands.clone(),
             order,
             pieces,
-            packed: Vec::new(),
             previous: None,
             moved: false,
             gathered: false,
@@ -241,25 +239,16 @@ impl Geometry {
         let mut strands = self.strands.clone();
         strands.set_points(points)?;
         let packed = pack(&strands, &self.order, self.pieces, run_limit(gpu))?;
-        if self.packed.is_empty() && !self.gathered {
-            self.packed = pack(&self.strands, &self.order, self.pieces, run_limit(gpu))?.points;
-        }
+        // The former points stay where they are, for motion vectors, and the new ones go into the other buffer.
         self.keep_previous(gpu)?;
         if let Some((buffer, origin)) = &mut self.previous {
-            if self.gathered {
-                // Only the GPU knows the former points: they stay where they are, and the new ones go into the other buffer.
-                std::mem::swap(&mut self.points, buffer);
-                self.serial = next_serial();
-                self.gathered = false;
-            } else {
-                gpu.queue
-                    .write_buffer(&buffer.buffer, 0, bytemuck::cast_slice(&self.packed));
-            }
+            std::mem::swap(&mut self.points, buffer);
             *origin = self.origin;
+            self.serial = next_serial();
         }
         gpu.queue
             .write_buffer(&self.points.buffer, 0, bytemuck::cast_slice(&packed.points));
-        self.packed = packed.points;
+        self.gathered = false;
         self.moved = true;
         self.origin = packed.origin;
         self.half_extent = packed.half_extent;

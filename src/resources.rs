@@ -306,7 +306,7 @@ impl Resources {
             groups.generation == self.generation
                 && groups.serials == plan.serials
                 && (groups.tracked || !plan.tracked)
-                && groups.tables == self.tables.serial
+                && groups.tables == self.tables.serial()
         });
         if !key_matches {
             self.groups = Some(self.bind(gpu, frame, plan));
@@ -572,11 +572,7 @@ impl Resources {
                             projected(),
                             self.shaded.binding(),
                             // Models without tables read none: anything will do.
-                            self.tables
-                                .buffer
-                                .as_ref()
-                                .unwrap_or(&geometry.colours)
-                                .binding(),
+                            self.tables.buffer().unwrap_or(&geometry.colours).binding(),
                         ],
                     ),
                     track: plan.tracked.then(|| {
@@ -621,8 +617,8 @@ impl Resources {
                 Group::PointOutputs,
                 &[self.point_outputs.binding()],
             ),
-            tables: self.tables.serial,
-            tables_written: self.tables.buffer.as_ref().map(|buffer| {
+            tables: self.tables.serial(),
+            tables_written: self.tables.buffer().map(|buffer| {
                 gpu.bind(
                     "pelage.shading.tables",
                     Group::TablesWritten,
@@ -696,11 +692,7 @@ impl Resources {
             })
         );
         slot.capacity = self.capacity;
-        slot.fills = if self.tables.filled {
-            0
-        } else {
-            self.tables.serial
-        };
+        slot.fills = self.tables.to_fill();
         Ok(())
     }
 
@@ -774,7 +766,7 @@ impl Resources {
                 ARRIVED => {
                     newest = Some(read_slot(slot));
                     // A frame that was recorded and never submitted has filled nothing.
-                    self.tables.filled |= slot.fills == self.tables.serial && slot.fills > 0;
+                    self.tables.mark_filled(slot.fills);
                     slot.counters.buffer.unmap();
                     slot.state.store(IDLE, Ordering::Release);
                 }

@@ -19,6 +19,7 @@ files![
     "common/coverage",
     "common/segment",
     "common/pixels",
+    "common/fullscreen",
     "common/host_tiles",
     "common/project",
     "common/scan",

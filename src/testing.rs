@@ -78,13 +78,13 @@ pub fn combinations() -> Vec<Combination> {
     ] {
         modules.push((
             format!("composite {name}"),
-            resolve_module(&technique, 3).and(&["composite"]),
+            resolve_module(&technique, 3).and(&["common/fullscreen", "composite"]),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
                 resolve_module(&technique, 3)
-                    .and(&["outputs"])
+                    .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
         }
@@ -124,7 +124,8 @@ pub fn combinations() -> Vec<Combination> {
     for reverse in [false, true] {
         modules.push((
             format!("outputs_none {reverse}"),
-            Module::new(&["outputs_none"]).with("REVERSE_Z", Constant::Bool(reverse)),
+            Module::new(&["common/fullscreen", "outputs_none"])
+                .with("REVERSE_Z", Constant::Bool(reverse)),
         ));
     }
     modules.push((
@@ -140,7 +141,7 @@ pub fn combinations() -> Vec<Combination> {
     ));
     modules.push((
         "receive".into(),
-        Module::new(look_up(true)).and(&["receive"]),
+        Module::new(look_up(true)).and(&["common/fullscreen", "receive"]),
     ));
     modules
         .into_iter()

@@ -5,7 +5,7 @@ use super::Shading;
 use crate::error::{Error, Result};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::Plan;
-use crate::resources::Bound;
+use crate::resources::{Bound, RING};
 use crate::shader::Module;
 
 /// Where a model's tables begin, in words: by one inclination, azimuthal; size and format; 0.
@@ -34,22 +34,33 @@ pub(crate) fn lay_out(models: &[Shading], ambient: bool) -> (Vec<Place>, Vec<f32
     (places, words, size)
 }
 
+/// Frames after whose last use tables are dropped: as many as may be under way, so that views that take turns keep theirs.
+const KEPT_FRAMES: u64 = RING as u64;
+
 /// The tables of all models of a frame.
-#[derive(Default)]
-pub(crate) struct Held {
-    /// The models, and whether uniform light falls on them.
+struct Set {
     models: Vec<Shading>,
+    /// Whether uniform light falls on them.
     ambient: bool,
     places: Vec<Place>,
-    pub buffer: Option<Allocation>,
-    /// Counts the buffers made: 0 is none.
-    pub serial: u64,
+    buffer: Option<Allocation>,
+    serial: u64,
     /// Whether the passes that fill the buffer have run.
-    pub filled: bool,
+    filled: bool,
+    /// The frame that used it last.
+    used: u64,
+}
+
+/// The tables of the last frames; the newest frame's come last.
+#[derive(Default)]
+pub(crate) struct Held {
+    sets: Vec<Set>,
+    frame: u64,
+    serials: u64,
 }
 
 impl Held {
-    /// Makes the tables that a frame's models need, if these are not the ones of the last frame.
+    /// Makes the tables that a frame's models need, if none of the last frames had the same.
     pub fn hold(&mut self, gpu: &Gpu, plan: &Plan) -> Result<()> {
         let ambient = plan.frame_uniform.ambient.iter().any(|&c| c > 0.0);
         let mut models: Vec<Shading> = Vec::new();
@@ -58,9 +69,20 @@ impl Held {
                 models.push(*shading);
             }
         }
-        if models == self.models && ambient == self.ambient {
-            return Ok(());
-        }
+        self.frame += 1;
+        let frame = self.frame;
+        self.sets.retain(|set| frame - set.used <= KEPT_FRAMES);
+        let same = |set: &Set| set.models == models && set.ambient == ambient;
+        let mut set = match self.sets.iter().position(same) {
+            Some(at) => self.sets.remove(at),
+            None => self.make(gpu, models, ambient)?,
+        };
+        set.used = frame;
+        self.sets.push(set);
+        Ok(())
+    }
+
+    fn make(&mut self, gpu: &Gpu, models: Vec<Shading>, ambient: bool) -> Result<Set> {
         let (places, words, size) = lay_out(&models, ambient);
         if size * 4 > gpu.max_binding() {
             return Err(Error::Unsupported(format!(
@@ -69,29 +91,62 @@ impl Held {
                 gpu.max_binding()
             )));
         }
-        // The old tables come free before the new ones are made.
-        *self = Self {
-            serial: self.serial,
-            ..Self::default()
-        };
+        let mut buffer = None;
         if size > 0 {
-            let buffer = gpu.storage("pelage.shading.tables", size * 4)?;
+            let make = || gpu.storage("pelage.shading.tables", size * 4);
+            // Where there is no room the last frames' tables make it.
+            let made = make().or_else(|_| {
+                self.sets.clear();
+                make()
+            })?;
             if !words.is_empty() {
                 gpu.queue
-                    .write_buffer(&buffer.buffer, 0, bytemuck::cast_slice(&words));
+                    .write_buffer(&made.buffer, 0, bytemuck::cast_slice(&words));
             }
-            self.buffer = Some(buffer);
+            buffer = Some(made);
         }
-        self.serial += 1;
-        self.filled = size == words.len() as u64;
-        (self.models, self.ambient, self.places) = (models, ambient, places);
-        Ok(())
+        self.serials += 1;
+        Ok(Set {
+            models,
+            ambient,
+            places,
+            buffer,
+            serial: self.serials,
+            filled: size == words.len() as u64,
+            used: self.frame,
+        })
+    }
+
+    /// The buffer of the newest frame's tables.
+    pub fn buffer(&self) -> Option<&Allocation> {
+        self.sets.last()?.buffer.as_ref()
+    }
+
+    /// Tells the newest frame's tables from others; 0 before there are any.
+    pub fn serial(&self) -> u64 {
+        self.sets.last().map_or(0, |set| set.serial)
+    }
+
+    /// The serial of the newest frame's tables where they are still to be filled, else 0.
+    pub fn to_fill(&self) -> u64 {
+        let last = self.sets.last();
+        last.filter(|set| !set.filled).map_or(0, |set| set.serial)
+    }
+
+    /// Says that a frame that filled tables has run.
+    pub fn mark_filled(&mut self, serial: u64) {
+        if let Some(set) = self.sets.iter_mut().find(|set| set.serial == serial) {
+            set.filled = true;
+        }
     }
 
     /// Where a model's tables lie.
     pub fn place(&self, shading: &Shading) -> Place {
-        let found = self.models.iter().position(|model| model == shading);
-        found.map_or([0; 4], |number| self.places[number])
+        let place = |set: &Set| {
+            let number = set.models.iter().position(|model| model == shading)?;
+            Some(set.places[number])
+        };
+        self.sets.last().and_then(place).unwrap_or_default()
     }
 }
 

@@ -2,23 +2,12 @@
 
 use pelage::glam::{DVec3, Vec3};
 use pelage::shading::{Chiang, Shading};
-use pelage_reference::chiang;
 use pelage_reference::fibre::Direction;
 use pelage_reference::furnace::furnace;
 
 use super::harness::{Evaluator, case, hard_cases};
+use super::reference::of_chiang;
 use crate::common::device;
-
-pub fn reference(model: &Chiang) -> chiang::Chiang {
-    chiang::Chiang::new(chiang::Params {
-        beta_m: f64::from(model.beta_m),
-        beta_n: f64::from(model.beta_n),
-        alpha: f64::from(model.alpha),
-        eta: f64::from(model.eta),
-        sigma_a: model.sigma_a.as_dvec3(),
-    })
-    .unwrap()
-}
 
 pub fn direct() -> Chiang {
     Chiang {
@@ -136,7 +125,7 @@ fn values_are_the_reference_at_every_angle_and_parameter() {
         let a = f64::from(model.alpha);
         let cases = hard_cases(&[-2.0 * a, a, 4.0 * a, 0.0]);
         let name = format!("chiang {name}");
-        let error = evaluator.worst(&name, &Shading::Chiang(model), &cases, &reference(&model));
+        let error = evaluator.worst(&name, &Shading::Chiang(model), &cases, &of_chiang(&model));
         if error > tolerance {
             wrong.push(format!("{name}: {error:e}"));
         }
@@ -199,7 +188,7 @@ fn the_ambient_term_is_the_integral_of_the_model_over_the_sphere() {
         let cases = thetas.map(|theta| case(0.1, theta, 0.5));
         let values = evaluator.run(&Shading::Chiang(model), &cases);
         for (theta, [_, value]) in thetas.into_iter().zip(values) {
-            let expected = furnace(&reference(&model), Direction::new(theta, 0.0), 64);
+            let expected = furnace(&of_chiang(&model), Direction::new(theta, 0.0), 64);
             let off = (value - expected).abs().max_element();
             assert!(off <= UNIFORM, "{name} θ_o {theta}: {value} for {expected}");
         }

@@ -55,9 +55,9 @@ type Check<'a> = dyn FnMut(&dyn Fn(f64) -> Averages, &dyn ReferenceModel) + 'a;
 /// Calls `check` with the model as the reference has it.
 fn with_reference(shading: &Shading, check: &mut Check) {
     match shading {
-        Shading::Chiang(model) => run(&chiang::reference(model), check),
-        Shading::Marschner(model) => run(&marschner::reference(model), check),
-        Shading::Sadeghi(model) => run(&sadeghi::reference(model).normalised(), check),
+        Shading::Chiang(model) => run(&super::reference::of_chiang(model), check),
+        Shading::Marschner(model) => run(&super::reference::of_marschner(model), check),
+        Shading::Sadeghi(model) => run(&super::reference::of_sadeghi(model).normalised(), check),
         _ => unreachable!(),
     }
 }

@@ -2,33 +2,12 @@
 
 use pelage::glam::Vec3;
 use pelage::shading::{Marschner, Roots, Shading};
-use pelage_reference::marschner;
 
 use super::harness::{Evaluator, case, hard_cases};
+use super::reference::of_marschner;
 use crate::common::device;
 use pelage_reference::fibre::Direction;
 use pelage_reference::furnace::furnace;
-
-pub fn reference(model: &Marschner) -> marschner::Marschner {
-    marschner::Marschner::new(marschner::Params {
-        eta: f64::from(model.eta),
-        sigma_a: model.sigma_a.as_dvec3(),
-        alpha: model.alpha.map(f64::from),
-        beta: model.beta.map(f64::from),
-        eccentricity: f64::from(model.eccentricity),
-        roots: match model.roots {
-            Roots::Cubic => marschner::Roots::Cubic,
-            _ => marschner::Roots::Exact,
-        },
-        caustic: model.caustic.map(|c| marschner::CausticRemoval {
-            w_c: f64::from(c.w_c),
-            k_g: f64::from(c.k_g),
-            delta_eta: f64::from(c.delta_eta),
-            delta_h_max: f64::from(c.delta_h_max),
-        }),
-    })
-    .unwrap()
-}
 
 pub fn direct() -> Marschner {
     Marschner {
@@ -132,7 +111,7 @@ fn values_are_the_reference_at_every_angle_and_parameter() {
             &name,
             &Shading::Marschner(model),
             &cases,
-            &reference(&model),
+            &of_marschner(&model),
         );
         if error > tolerance {
             wrong.push(format!("{name}: {error:e}"));
@@ -153,7 +132,7 @@ fn the_caustic_stays_where_it_is_not_to_be_removed() {
         caustic: None,
         ..direct()
     };
-    let truth = reference(&model);
+    let truth = of_marschner(&model);
     let phi_c = truth.caustic_angle(0.0).unwrap();
     let cases: Vec<_> = (0..60)
         .map(|i| std::f64::consts::PI * f64::from(i) / 59.0)
@@ -183,7 +162,7 @@ fn an_elliptic_section_is_its_reference_at_some_azimuth_of_its_axis() {
             eccentricity,
             ..direct()
         };
-        let truth = reference(&model);
+        let truth = of_marschner(&model);
         let cases: Vec<_> = hard_cases(&[2.0 * f64::from(model.alpha[2])])
             .into_iter()
             .step_by(13)
@@ -249,7 +228,7 @@ fn the_ambient_term_is_the_integral_of_the_model_over_the_sphere() {
     let mut worst = 0.0f64;
     for theta in [-1.3, -0.7, 0.0, 0.3, 1.2] {
         let [_, value] = evaluator.run(&Shading::Marschner(model), &[case(0.1, theta, 0.5)])[0];
-        let expected = furnace(&reference(&model), Direction::new(theta, 0.0), 256);
+        let expected = furnace(&of_marschner(&model), Direction::new(theta, 0.0), 256);
         let off = ((value - expected).abs() / expected).max_element();
         worst = worst.max(off);
         assert!(off <= UNIFORM, "θ_o {theta}: {value} for {expected}");

@@ -5,6 +5,7 @@ mod dual_scattering;
 mod harness;
 mod kajiya_kay;
 mod marschner;
+mod reference;
 mod sadeghi;
 mod scheuermann;
 mod tables;

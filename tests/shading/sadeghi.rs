@@ -4,29 +4,10 @@ use pelage::glam::Vec3;
 use pelage::shading::{LobeControls, Sadeghi, Shading};
 use pelage_reference::fibre::Direction;
 use pelage_reference::furnace::furnace;
-use pelage_reference::sadeghi;
 
 use super::harness::{Evaluator, case, hard_cases};
+use super::reference::of_sadeghi;
 use crate::common::device;
-
-pub fn reference(model: &Sadeghi) -> sadeghi::Sadeghi {
-    let lobe = |lobe: &LobeControls| sadeghi::LobeControls {
-        colour: lobe.colour.as_dvec3(),
-        intensity: f64::from(lobe.intensity),
-        shift: f64::from(lobe.shift),
-        width: f64::from(lobe.width),
-    };
-    sadeghi::Sadeghi::new(sadeghi::Params {
-        r: lobe(&model.r),
-        tt: lobe(&model.tt),
-        trt: lobe(&model.trt),
-        tt_azimuthal_width: f64::from(model.tt_azimuthal_width),
-        glint_intensity: f64::from(model.glint_intensity),
-        glint_width: f64::from(model.glint_width),
-        glint_angle: f64::from(model.glint_angle[0]),
-    })
-    .unwrap()
-}
 
 /// One glint angle for all strands.
 pub fn plain() -> Sadeghi {
@@ -64,7 +45,7 @@ fn values_are_the_reference_at_every_angle_and_parameter() {
         let sums = [model.r, model.tt, model.trt].map(|lobe| 2.0 * f64::from(lobe.shift));
         let name = format!("sadeghi {name}");
         let cases = hard_cases(&sums);
-        let error = evaluator.worst(&name, &Shading::Sadeghi(model), &cases, &reference(&model));
+        let error = evaluator.worst(&name, &Shading::Sadeghi(model), &cases, &of_sadeghi(&model));
         if error > tolerance {
             wrong.push(format!("{name}: {error:e}"));
         }
@@ -84,7 +65,7 @@ fn the_normalised_form_is_its_reference_and_makes_no_light() {
         ..plain()
     };
     bright.r.intensity = 3.0;
-    let truth = reference(&bright).normalised();
+    let truth = of_sadeghi(&bright).normalised();
     let error = evaluator.worst(
         "sadeghi normalised",
         &Shading::Sadeghi(bright),

@@ -2,23 +2,12 @@
 
 use pelage::glam::{DVec3, Vec3};
 use pelage::shading::{Highlight, Scheuermann, Shading};
+
 use pelage_reference::scheuermann;
 
 use super::harness::{Evaluator, case, frame, hard_cases};
+use super::reference::of_scheuermann;
 use crate::common::device;
-
-fn reference(model: &Scheuermann) -> scheuermann::Scheuermann {
-    let highlight = |h: &Highlight| scheuermann::Highlight {
-        colour: h.colour.as_dvec3(),
-        exponent: f64::from(h.exponent),
-        shift: f64::from(h.shift),
-    };
-    scheuermann::Scheuermann {
-        diffuse: model.diffuse.as_dvec3(),
-        primary: highlight(&model.primary),
-        secondary: highlight(&model.secondary),
-    }
-}
 
 fn with_exponent(exponent: f32) -> Scheuermann {
     let model = Scheuermann::default();
@@ -49,7 +38,7 @@ fn values_are_the_reference_at_every_angle_and_exponent() {
     let evaluator = Evaluator::new(&mut device, &Shading::Scheuermann(Scheuermann::default()));
     for exponent in [1.0, 10.0, 120.0, 1e4, 1e5] {
         let model = with_exponent(exponent);
-        let truth = reference(&model);
+        let truth = of_scheuermann(&model);
         let shifts =
             [model.primary.shift, model.secondary.shift].map(|s| -2.0 * f64::from(s).atan());
         let cases = hard_cases(&shifts);

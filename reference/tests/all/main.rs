@@ -14,7 +14,6 @@ mod project;
 mod ray_optics;
 mod sadeghi;
 mod scheuermann;
-mod speed;
 mod transmittance;
 
 use pelage_reference::glam::DVec3;

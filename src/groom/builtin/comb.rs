@@ -16,6 +16,8 @@ pub(super) struct Style {
     /// Points a strand.
     pub(super) points: usize,
     pub(super) curve: Curve,
+    /// The first segment's length over that of an even one: below 1, points gather where hair bends over the head.
+    pub(super) first_segment: f32,
     /// The longest strand, and the height at which hair is cut before that.
     pub(super) longest: f32,
     pub(super) cut_height: f32,
@@ -35,6 +37,14 @@ pub(super) struct Style {
     pub(super) stray: Stray,
     /// Bends a strand out of its smooth course.
     pub(super) shape: fn(&mut [Vec3], &mut Lock),
+}
+
+impl Style {
+    /// Where along a strand its point `i` lies, from 0 to 1.
+    fn along(&self, i: usize) -> f32 {
+        let u = i as f32 / (self.points - 1) as f32;
+        u * (self.first_segment + (1.0 - self.first_segment) * u)
+    }
 }
 
 /// What a strand's shape may depend on.
@@ -135,7 +145,6 @@ fn finish(points: &mut [Vec3], strand: u32, guides: &[Guide], guide: &Guide, sty
         shared: Draws::new(guide.leader as u32, style.seed ^ 3),
         own: Draws::new(strand, style.seed ^ 4),
     };
-    let last = (points.len() - 1) as f32;
     for (i, (point, leading)) in points
         .iter_mut()
         .zip(&guides[guide.leader].course)
@@ -143,7 +152,7 @@ fn finish(points: &mut [Vec3], strand: u32, guides: &[Guide], guide: &Guide, sty
     {
         *point = point.lerp(
             *leading,
-            style.tightness * smooth(0.0, 0.45, i as f32 / last),
+            style.tightness * smooth(0.0, 0.45, style.along(i)),
         );
     }
     // The square makes most strands nearly full length and few much shorter, which softens the tips.
@@ -184,7 +193,7 @@ fn grow_all(scalp: &Scalp, style: &Style) -> Vec<Vec<Vec3>> {
         used[*guide as usize] = true;
     }
     let grow = |guide: usize| match used[guide] {
-        true => even_course(&grow(scalp, guide, style), style.points),
+        true => resample(&grow(scalp, guide, style), style),
         false => vec![scalp.roots[guide]; style.points],
     };
     (0..scalp.roots.len()).map(grow).collect()
@@ -255,18 +264,18 @@ fn drape(p: Vec3, height: f32) -> Vec3 {
     ) * near
 }
 
-/// A course resampled to `points` points, evenly along it.
-fn even_course(course: &[Vec3], points: usize) -> Vec<Vec3> {
+/// A course resampled to the style's points.
+fn resample(course: &[Vec3], style: &Style) -> Vec<Vec3> {
     let last = (course.len() - 1) as f32;
     let at = |i: usize| {
-        let place = last * i as f32 / (points - 1) as f32;
+        let place = last * style.along(i);
         let first = (place as usize).min(course.len() - 1);
         course[first].lerp(
             course[(first + 1).min(course.len() - 1)],
             place - first as f32,
         )
     };
-    (0..points).map(at).collect()
+    (0..style.points).map(at).collect()
 }
 
 /// Draws each guide towards the nearest leader of its side, more and more towards the tip.
@@ -293,10 +302,9 @@ fn gather(scalp: &Scalp, courses: Vec<Vec<Vec3>>, style: &Style) -> Vec<Guide> {
         let leader = nearest(guide);
         let mut draws = Draws::new(scalp.keys[guide], style.seed ^ 7);
         let strength = draws.between(style.gather[0], style.gather[1]);
-        let last = (style.points - 1) as f32;
         let toward = |(i, p): (usize, &Vec3)| {
-            let u = i as f32 / last;
-            p.lerp(courses[leader][i], strength * smooth(0.05, 0.9, u))
+            let gathered = strength * smooth(0.05, 0.9, style.along(i));
+            p.lerp(courses[leader][i], gathered)
         };
         Guide {
             course: courses[guide].iter().enumerate().map(toward).collect(),

@@ -9,6 +9,7 @@ pub(super) const STYLE: Style = Style {
     seed: 0x4355_524c,
     points: 33,
     curve: Curve::CatmullRom,
+    first_segment: 1.0,
     longest: 0.36,
     cut_height: -0.170,
     layering: 0.06,

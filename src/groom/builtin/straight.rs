@@ -9,6 +9,7 @@ pub(super) const STYLE: Style = Style {
     seed: 0x5354_5241,
     points: 17,
     curve: Curve::Polyline,
+    first_segment: 0.45,
     longest: 0.46,
     cut_height: -0.205,
     layering: 0.025,

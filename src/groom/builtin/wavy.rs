@@ -9,6 +9,7 @@ pub(super) const STYLE: Style = Style {
     seed: 0x5741_5659,
     points: 33,
     curve: Curve::CatmullRom,
+    first_segment: 1.0,
     longest: 0.48,
     cut_height: -0.205,
     layering: 0.05,

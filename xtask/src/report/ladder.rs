@@ -5,7 +5,9 @@ use std::fmt;
 use pelage::Raster;
 use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
-use pelage::shading::{KajiyaKay, Shading};
+use pelage::shading::{
+    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
+};
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
 use serde_json::Value;
@@ -109,6 +111,58 @@ fn white(specular: f32, exponent: f32) -> Shading {
     })
 }
 
+/// Every other model, directly and through tables of rising size.
+fn fibre_models() -> Vec<Shading> {
+    let tables = |size, precision| Some(Tables { size, precision });
+    let ladder = [
+        None,
+        tables(32, Precision::F32),
+        tables(64, Precision::F32),
+        tables(128, Precision::F32),
+        tables(256, Precision::F32),
+        tables(512, Precision::F32),
+        tables(64, Precision::F16),
+        tables(256, Precision::F16),
+    ];
+    let marschner = Marschner::default();
+    let sadeghi = Sadeghi {
+        glint_angle: [0.65; 2],
+        ..Sadeghi::default()
+    };
+    let mut models = vec![Shading::Scheuermann(Scheuermann::default())];
+    models.extend(ladder.map(|tables| {
+        Shading::Marschner(Marschner {
+            tables,
+            ..marschner
+        })
+    }));
+    models.push(Shading::Marschner(Marschner {
+        tables: None,
+        roots: Roots::Cubic,
+        ..marschner
+    }));
+    models.extend([false, true].map(|normalised| {
+        Shading::Sadeghi(Sadeghi {
+            normalised,
+            ..sadeghi
+        })
+    }));
+    models.extend([16, 128].map(|intervals| {
+        Shading::Chiang(Chiang {
+            tables: None,
+            intervals,
+            ..Chiang::default()
+        })
+    }));
+    models.extend(ladder.into_iter().flatten().map(|tables| {
+        Shading::Chiang(Chiang {
+            tables: Some(tables),
+            ..Chiang::default()
+        })
+    }));
+    models
+}
+
 /// Every case, in the order of the tables. `quick` leaves out the largest maps.
 pub fn cases(quick: bool) -> Vec<Case> {
     let base = Case {
@@ -125,6 +179,10 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
+    cases.extend(fibre_models().into_iter().map(|shading| Case {
+        shading,
+        ..base.clone()
+    }));
     let resolutions: &[u32] = if quick {
         &[256, 512]
     } else {

@@ -4,7 +4,6 @@ use std::time::Instant;
 
 use pelage::glam::Vec3;
 use pelage::host::offscreen::{Image, Offscreen, OffscreenOptions};
-use pelage::shading::{KajiyaKay, Shading};
 use pelage::shadow::Shadow;
 use pelage::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 use pelage::transparency::{Storage, Transparency};
@@ -38,17 +37,17 @@ struct Bench<'a> {
 pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
     let mut case = case.clone();
     set_pool(&mut case, truth.lists.fragments.len());
-    let Shading::KajiyaKay(model) = case.shading else {
-        return Err(format!("the reference has no {}", case.shading.stem()));
-    };
     let mut bench = Bench::new(scene, truth, &case)?;
     let (error, image_error) = match case.group {
         Group::Shadow => {
-            let (error, image_error) = bench.shadow_error(&case, &model)?;
+            let (error, image_error) = bench.shadow_error(&case)?;
             (error, Some(image_error))
         }
-        Group::Shading => (bench.image_error(&case, &truth.nearest(&model))?, None),
-        Group::Transparency => (bench.image_error(&case, truth.exact(&model))?, None),
+        Group::Shading => (
+            bench.image_error(&case, &truth.nearest(&case.shading)?)?,
+            None,
+        ),
+        Group::Transparency => (bench.image_error(&case, truth.exact(&case.shading)?)?, None),
     };
     let times = if case.group == Group::Shadow {
         bench.pass_times(&case, "pelage.shadow.")?
@@ -201,12 +200,12 @@ impl<'a> Bench<'a> {
     /// Errors of transmittance and of the picture at the truth's probes. Transmittance is the picture with shadow over
     /// the one without; where the latter has another colour than the truth, another strand was nearest and the point is
     /// not the probe's.
-    fn shadow_error(&mut self, case: &Case, model: &KajiyaKay) -> Result<(Error, Error)> {
+    fn shadow_error(&mut self, case: &Case) -> Result<(Error, Error)> {
         let lit = self.picture(Shadow::None, case.transparency)?;
         let shadowed = self.picture(case.shadow, case.transparency)?;
         let mut transmittance = Vec::new();
         let mut radiance = Vec::new();
-        for probe in self.truth.probes(model) {
+        for probe in self.truth.probes(&case.shading)? {
             let [lit, shadowed] = [&lit, &shadowed].map(|image| image.pixels[probe.pixel]);
             let expected = probe.bright.map(|bright| probe.opacity * bright);
             if (0..3).any(|c| (lit[c] - expected[c]).abs() > SAME_COLOUR * expected[c]) {
@@ -217,7 +216,7 @@ impl<'a> Bench<'a> {
                 .extend((0..3).map(|c| (shadowed[c] - expected[c] * probe.transmittance).abs()));
         }
         let compared = transmittance.len();
-        let all = self.truth.probes(model).len();
+        let all = self.truth.probes(&case.shading)?.len();
         if compared * 2 < all {
             return Err(format!(
                 "only {compared} of {all} points could be told apart"

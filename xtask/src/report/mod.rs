@@ -6,6 +6,8 @@
 mod flip;
 mod ladder;
 mod measure;
+#[path = "../../../tests/shading/reference.rs"]
+mod models;
 mod plots;
 mod row;
 mod tables;

@@ -5,15 +5,19 @@ use std::f64::consts::PI;
 
 use pelage::glam::{DVec3, Vec3};
 use pelage::groom::{self, Curve, Strands};
-use pelage::shading::KajiyaKay;
+use pelage::shading::Shading;
 use pelage_reference::composite::{self, Image, point_colours};
+use pelage_reference::fibre::{Direction, FibreModel};
 use pelage_reference::fragments::{FragmentLists, fragment_lists};
-use pelage_reference::kajiya_kay;
 use pelage_reference::project::tangents;
 use pelage_reference::scene::Camera;
 use pelage_reference::transmittance::{Light, Occluders, Query};
+use pelage_reference::{kajiya_kay, scheuermann};
+
+use rayon::prelude::*;
 
 use super::ladder::Scene;
+use super::models;
 use crate::Result;
 use crate::scene_file::framing::{self, Bounds, Framing};
 
@@ -32,6 +36,49 @@ const RAYS: usize = 64;
 const LEAST_OPACITY: f64 = 0.02;
 /// Nor are fibres that run almost along the light.
 const LEAST_BRIGHTNESS: f64 = 0.1;
+
+/// A model's value times the cosine for a tangent and the ways to light and eye.
+type Scatter = Box<dyn Fn(DVec3, DVec3, DVec3) -> DVec3 + Sync>;
+
+/// The reference's value of a model with these parameters.
+fn scatter(shading: &Shading) -> Result<Scatter> {
+    fn fibre(model: impl FibreModel + 'static) -> Scatter {
+        Box::new(move |tangent: DVec3, to_light, to_eye| {
+            let tangent = tangent.normalize();
+            // The section is round: any axis across the tangent will do.
+            let across = tangent.any_orthonormal_vector();
+            let seen = |v: DVec3| Direction::in_frame(v.normalize(), tangent, across);
+            model.scatter(seen(to_light), seen(to_eye))
+        })
+    }
+    Ok(match shading {
+        Shading::KajiyaKay(model) => {
+            let channels: [kajiya_kay::KajiyaKay; 3] =
+                std::array::from_fn(|channel| kajiya_kay::KajiyaKay {
+                    diffuse: f64::from(model.diffuse[channel]),
+                    specular: f64::from(model.specular[channel]),
+                    exponent: f64::from(model.exponent),
+                });
+            Box::new(move |tangent, to_light, to_eye| {
+                let value = |model| kajiya_kay::scatter(tangent, to_light, to_eye, model);
+                DVec3::from_array(channels.each_ref().map(value))
+            })
+        }
+        Shading::Scheuermann(model) => {
+            let model = models::of_scheuermann(model);
+            Box::new(move |tangent, to_light, to_eye| {
+                scheuermann::scatter(tangent, to_light, to_eye, &model)
+            })
+        }
+        Shading::Marschner(model) => fibre(models::of_marschner(model)),
+        Shading::Sadeghi(model) if model.normalised => {
+            fibre(models::of_sadeghi(model).normalised())
+        }
+        Shading::Sadeghi(model) => fibre(models::of_sadeghi(model)),
+        Shading::Chiang(model) => fibre(models::of_chiang(model)),
+        other => return Err(format!("the reference has no {}", other.stem())),
+    })
+}
 
 /// A scene, and what is known of it.
 pub struct Truth {
@@ -71,6 +118,11 @@ impl Truth {
             strands =
                 groom::tessellate(&strands, CURVE_PIECES).map_err(|error| error.to_string())?;
         }
+        // White, so that errors are parts of white, and no model's own reading of a strand's colour is in them.
+        let white = vec![[1.0; 3]; strands.strand_count()];
+        strands = strands
+            .with_colours(white)
+            .map_err(|error| error.to_string())?;
         let bounds = Bounds::around(strands.points()).ok_or("the groom has no points")?;
         let [width, height] = scene.size;
         let camera = crate::scene_file::scene::Camera {
@@ -123,53 +175,67 @@ impl Truth {
     }
 
     /// Radiance towards the eye of every point, without shadow.
-    fn colours(&self, model: &KajiyaKay) -> Vec<[f64; 3]> {
-        let to_light = -LIGHT_DIRECTION;
-        let mut colours = Vec::with_capacity(self.reference.points.len());
-        for (strand, colour) in self.strands.colours().iter().enumerate() {
-            for point in self.reference.range(strand) {
-                let to_eye = self.eye - self.reference.points[point];
-                colours.push(std::array::from_fn(|channel| {
-                    let model = kajiya_kay::KajiyaKay {
-                        diffuse: f64::from(model.diffuse[channel]) * f64::from(colour[channel]),
-                        specular: f64::from(model.specular[channel]),
-                        exponent: f64::from(model.exponent),
-                    };
-                    IRRADIANCE * kajiya_kay::scatter(self.tangents[point], to_light, to_eye, &model)
-                }));
+    fn colours(&self, shading: &Shading) -> Result<Vec<[f64; 3]>> {
+        self.colours_of(shading, |_| true)
+    }
+
+    /// The same of the points that are `wanted`, and zero of the others.
+    fn colours_of(
+        &self,
+        shading: &Shading,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) -> Result<Vec<[f64; 3]>> {
+        let scatter = scatter(shading)?;
+        let (eye, points, tangents) = (self.eye, &self.reference.points, &self.tangents);
+        let radiance = |point: usize| {
+            if !wanted(point) {
+                return [0.0; 3];
             }
-        }
-        colours
+            let to_eye = eye - points[point];
+            (IRRADIANCE * scatter(tangents[point], -LIGHT_DIRECTION, to_eye)).to_array()
+        };
+        Ok((0..points.len()).into_par_iter().map(radiance).collect())
     }
 
     /// The picture of each pixel's nearest fragment.
-    pub fn nearest(&self, model: &KajiyaKay) -> Image {
-        composite::opaque(
+    pub fn nearest(&self, shading: &Shading) -> Result<Image> {
+        let mut shown = vec![false; self.reference.points.len()];
+        for fragment in (0..self.lists.pixels()).filter_map(|at| self.lists.pixel(at).first()) {
+            let first = fragment.segment as usize;
+            (shown[first], shown[first + 1]) = (true, true);
+        }
+        let colours = self.colours_of(shading, |point| shown[point])?;
+        Ok(composite::opaque(
             &self.lists,
             self.opacity,
-            point_colours(&self.colours(model)),
-        )
+            point_colours(&colours),
+        ))
     }
 
     /// The picture of all fragments. All cases are shaded alike: the first model is the one that counts.
-    pub fn exact(&self, model: &KajiyaKay) -> &Image {
-        self.exact.get_or_init(|| {
-            composite::composite(
-                &self.lists,
-                self.opacity,
-                point_colours(&self.colours(model)),
-            )
-        })
+    pub fn exact(&self, shading: &Shading) -> Result<&Image> {
+        if self.exact.get().is_none() {
+            let colours = self.colours(shading)?;
+            let image = composite::composite(&self.lists, self.opacity, point_colours(&colours));
+            self.exact.set(image).ok();
+        }
+        self.exact.get().ok_or_else(|| "no picture".into())
     }
 
     /// Transmittances of nearest fragments, evenly picked over the covered pixels. They are means over a disc of half
     /// a pixel's size around each strand point, interpolated as colours are. As for the model, see [`Truth::exact`].
-    pub fn probes(&self, model: &KajiyaKay) -> &[Probe] {
-        self.probes.get_or_init(|| self.find_probes(model))
+    pub fn probes(&self, shading: &Shading) -> Result<&[Probe]> {
+        if self.probes.get().is_none() {
+            let probes = self.find_probes(&self.colours(shading)?);
+            self.probes.set(probes).ok();
+        }
+        self.probes
+            .get()
+            .map(Vec::as_slice)
+            .ok_or_else(|| "no probes".into())
     }
 
-    fn find_probes(&self, model: &KajiyaKay) -> Vec<Probe> {
-        let colours = self.colours(model);
+    fn find_probes(&self, colours: &[[f64; 3]]) -> Vec<Probe> {
         let shown = |pixel: &usize| {
             self.lists.pixel(*pixel).first().is_some_and(|nearest| {
                 self.opacity * nearest.coverage >= LEAST_OPACITY
