@@ -64,6 +64,23 @@ pub fn tangents(points: &[DVec3]) -> Option<Vec<DVec3>> {
     Some(before.iter().zip(&after).map(tangent).collect())
 }
 
+/// Tangents of the curve that a polyline stands for: at each point, that of the circle through it and its two neighbours,
+/// which parts the turn between the two segments in proportion to their lengths. At an end, or beside a neighbour that
+/// coincides, the one segment's direction; `None` where there is none, or where the strand folds back upon itself.
+pub fn curve_tangents(points: &[DVec3]) -> Vec<Option<DVec3>> {
+    let segment = |from: usize| {
+        let offset = points.get(from + 1)? - points[from];
+        Some((offset.try_normalize()?, offset.length()))
+    };
+    let tangent = |at: usize| match (at.checked_sub(1).and_then(segment), segment(at)) {
+        // The nearer neighbour's direction counts for more.
+        (Some((u, a)), Some((v, b))) => (u * b + v * a).try_normalize(),
+        (Some((only, _)), None) | (None, Some((only, _))) => Some(only),
+        (None, None) => None,
+    };
+    (0..points.len()).map(tangent).collect()
+}
+
 /// A point of a fibre in world space, with its clip-space position.
 #[derive(Clone, Copy)]
 struct FibrePoint {

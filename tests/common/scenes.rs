@@ -10,6 +10,7 @@ use pelage::{Frame, Hair, Light, LightKind, View};
 use pelage_reference::composite::{self, Image};
 use pelage_reference::fragments::{FragmentLists, fragment_lists};
 use pelage_reference::kajiya_kay;
+use pelage_reference::project;
 use pelage_reference::scene;
 
 /// Both storages of the A-buffer by both rasterisers.
@@ -157,17 +158,12 @@ pub fn lists(frame: &Frame, size: [u32; 2], host_depth: Option<&[f32]>) -> Fragm
     )
 }
 
-/// Unit tangents by central differences, as the library shades points; where there is no length, +y.
-pub fn central_tangents(strands: &scene::Strands) -> Vec<DVec3> {
-    let mut tangents = Vec::with_capacity(strands.points.len());
-    for strand in 0..strands.len() {
-        let points = &strands.points[strands.range(strand)];
-        for at in 0..points.len() {
-            let offset = points[(at + 1).min(points.len() - 1)] - points[at.saturating_sub(1)];
-            tangents.push(offset.try_normalize().unwrap_or(DVec3::Y));
-        }
-    }
-    tangents
+/// Unit tangents of all strands; where there is no length, +y.
+pub fn curve_tangents(strands: &scene::Strands) -> Vec<DVec3> {
+    (0..strands.len())
+        .flat_map(|strand| project::curve_tangents(&strands.points[strands.range(strand)]))
+        .map(|tangent| tangent.unwrap_or(DVec3::Y))
+        .collect()
 }
 
 /// Direction to a light and the irradiance that it throws on a point.
@@ -191,7 +187,7 @@ fn reaching(light: &Light, point: DVec3) -> (DVec3, Vec3) {
 /// shadows or ambient light.
 pub fn point_radiance(frame: &Frame) -> Vec<[f64; 3]> {
     let world = world(frame.hairs);
-    let tangents = central_tangents(&world.strands);
+    let tangents = curve_tangents(&world.strands);
     let eye = camera(&frame.view, [1, 1]).eye;
     let mut radiance = Vec::with_capacity(tangents.len());
     for (strand, &(hair, own)) in world.sources.iter().enumerate() {

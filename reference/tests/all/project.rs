@@ -1,6 +1,6 @@
 use crate::Random;
 use pelage_reference::glam::{DMat4, DVec2, DVec3};
-use pelage_reference::project::{project_strand, tangents};
+use pelage_reference::project::{curve_tangents, project_strand, tangents};
 use pelage_reference::scene::{Camera, Strands, look_at};
 
 /// Products of a few numbers of order 1 to 1000: measured 7e-16 relative.
@@ -157,4 +157,29 @@ fn what_lies_behind_the_eye_gives_nothing() {
         (DVec3::new(0.0, 1.0, 7.0), 0.1),
     ];
     assert!(project_strand(&Strands::from_polylines([strand]), &camera, 0).is_empty());
+}
+
+#[test]
+fn a_curves_tangents_are_the_circles_however_its_points_are_spaced() {
+    let mut random = Random(5);
+    for _ in 0..200 {
+        let radius = random.within(0.1, 10.0);
+        let mut angle = random.within(0.0, 6.0);
+        let mut points = Vec::new();
+        let mut exact = Vec::new();
+        for _ in 0..8 {
+            angle += random.within(0.01, 0.6);
+            points.push(radius * DVec3::new(angle.cos(), angle.sin(), 0.0));
+            exact.push(DVec3::new(-angle.sin(), angle.cos(), 0.0));
+        }
+        for (found, exact) in curve_tangents(&points).iter().zip(&exact).skip(1).take(6) {
+            // Weights by chords in place of arcs: 0.6 rad beside 0.01 errs by 0.6³ / 24 of the turn at most.
+            let found = found.unwrap();
+            assert!(found.angle_between(*exact) < 5e-3, "{found} for {exact}");
+        }
+    }
+    let [a, b] = [DVec3::ZERO, DVec3::X];
+    assert_eq!(curve_tangents(&[a, a, b]), [None, Some(b), Some(b)]);
+    assert_eq!(curve_tangents(&[a, b, a])[1], None);
+    assert!(curve_tangents(&[a]) == [None] && curve_tangents(&[]).is_empty());
 }

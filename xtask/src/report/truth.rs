@@ -9,7 +9,7 @@ use pelage::shading::Shading;
 use pelage_reference::composite::{self, Image, point_colours};
 use pelage_reference::fibre::{Direction, FibreModel};
 use pelage_reference::fragments::{FragmentLists, fragment_lists};
-use pelage_reference::project::tangents;
+use pelage_reference::project::curve_tangents;
 use pelage_reference::scene::Camera;
 use pelage_reference::transmittance::{Light, Occluders, Query};
 use pelage_reference::{kajiya_kay, scheuermann};
@@ -159,7 +159,11 @@ impl Truth {
         let mut all = Vec::with_capacity(reference.points.len());
         for strand in 0..reference.len() {
             let points = &reference.points[reference.range(strand)];
-            all.extend(tangents(points).unwrap_or_else(|| vec![DVec3::Y; points.len()]));
+            all.extend(
+                curve_tangents(points)
+                    .into_iter()
+                    .map(|t| t.unwrap_or(DVec3::Y)),
+            );
         }
         Ok(Self {
             strands,
