@@ -94,11 +94,6 @@ pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
     gpu.max_binding() / FRAGMENT_BYTES
 }
 
-/// Pixels of one band at most: what one binding of the overflow's words holds.
-fn band_pixels(gpu: &Gpu) -> u64 {
-    gpu.max_binding() / (4 * layout::OVERFLOW_WORDS)
-}
-
 /// Segments wider than this many pixels in all are shared among invocations: some drivers end loops at 65,535 steps.
 const PIXELS_AN_INVOCATION: f64 = 8192.0;
 
@@ -505,8 +500,8 @@ impl Plan {
         target: &Target,
         gpu: &Gpu,
     ) {
-        let rows =
-            (band_pixels(gpu) / u64::from(self.width)).clamp(1, u64::from(self.height)) as u32;
+        let rows = (self.transparency.most_pixels(gpu.max_binding()) / u64::from(self.width))
+            .clamp(1, u64::from(self.height)) as u32;
         let mut flags = layout::DRAWING_DEPTH_OVER_W;
         flags |= if frame.view.reverse_z {
             layout::DRAWING_REVERSE_Z

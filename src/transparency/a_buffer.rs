@@ -7,6 +7,7 @@ use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::transparency::{Fragments, Needs};
 
 const COUNT: Emission = Emission {
     label: "pelage.transparency.a_buffer.count",
@@ -89,15 +90,36 @@ pub struct ABuffer {
 
 impl ABuffer {
     pub(crate) fn validate(&self) -> Result<()> {
-        match self.pool_bytes {
-            Some(bytes) if bytes < FRAGMENT_BYTES.max(NODE_BYTES) => {
-                invalid!(
-                    "a_buffer: pool_bytes {bytes} holds no fragment; the least is {NODE_BYTES}"
-                )
-            }
-            _ => Ok(()),
+        validate_pool("a_buffer", self.pool_bytes)
+    }
+
+    pub(crate) fn needs(&self, pixels: u64) -> Needs {
+        let linked = self.storage == Storage::Lists;
+        Needs {
+            fill: pixels * 4,
+            links: if linked { 0 } else { scan_words(pixels) * 4 },
+            overflow: pixels * 4 * OVERFLOW_WORDS,
+            fragments: Fragments::Pool {
+                linked,
+                bytes: self.pool_bytes,
+            },
         }
     }
+}
+
+/// Refuses a pool that holds no fragment.
+pub(crate) fn validate_pool(stem: &str, pool_bytes: Option<u64>) -> Result<()> {
+    match pool_bytes {
+        Some(bytes) if bytes < FRAGMENT_BYTES.max(NODE_BYTES) => {
+            invalid!("{stem}: pool_bytes {bytes} holds no fragment; the least is {NODE_BYTES}")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Words of the scan over `pixels` pixels: a place each, the total, and the blocks' sums.
+pub(crate) fn scan_words(pixels: u64) -> u64 {
+    pixels + 1 + pixels.div_ceil(u64::from(SCAN_BLOCK))
 }
 
 /// Fills the A-buffer for a band of rows.

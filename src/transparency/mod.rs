@@ -58,6 +58,61 @@ impl Transparency {
     }
 }
 
+/// What a technique asks of the pixels' buffers, in bytes for a band of rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Needs {
+    pub fill: u64,
+    pub links: u64,
+    pub overflow: u64,
+    pub fragments: Fragments,
+}
+
+/// What a technique asks of the fragments' buffers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fragments {
+    /// So many bytes, in the first part alone.
+    Fixed(u64),
+    /// A pool of fragments of [`a_buffer::FRAGMENT_BYTES`], as large as they are expected to need.
+    Pool {
+        /// A word of links for each fragment.
+        linked: bool,
+        /// As large as the host says.
+        bytes: Option<u64>,
+    },
+}
+
+impl Fragments {
+    /// Whether fragments that do not fit are merged, and the pool's state is one counter of nodes.
+    pub fn linked(&self) -> bool {
+        matches!(self, Self::Pool { linked: true, .. })
+    }
+}
+
+impl Transparency {
+    /// What the technique asks for `pixels` pixels.
+    pub(crate) fn needs(&self, pixels: u64) -> Needs {
+        match self {
+            Self::Opaque(_) => opaque::needs(pixels),
+            Self::ABuffer(settings) => settings.needs(pixels),
+        }
+    }
+
+    /// The most pixels of which each buffer of the technique fits into `binding` bytes.
+    pub(crate) fn most_pixels(&self, binding: u64) -> u64 {
+        // A part of the bytes may be for each block of pixels, so that the estimate from many is fair.
+        const MANY: u64 = 1 << 20;
+        let needs = self.needs(MANY);
+        let fixed = match needs.fragments {
+            Fragments::Fixed(bytes) => bytes,
+            Fragments::Pool { .. } => 0,
+        };
+        let largest = needs.fill.max(needs.links).max(needs.overflow).max(fixed);
+        // A little is kept for what is rounded up.
+        (u128::from(binding.saturating_sub(1024)) * u128::from(MANY) / u128::from(largest.max(1)))
+            as u64
+    }
+}
+
 /// Fragments of a band of rows into the technique's buffers.
 pub(crate) fn record(
     gpu: &mut Gpu,
@@ -92,17 +147,11 @@ pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module 
     }
 }
 
-/// What tells one technique's composite pipeline from another's.
+/// What tells one technique's composite pipeline from another's: its place in the enum, and eight bits of settings.
 pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
-    match transparency {
-        Transparency::Opaque(_) => 0,
-        Transparency::ABuffer(ABuffer {
-            storage: Storage::Counted,
-            ..
-        }) => 1,
-        Transparency::ABuffer(ABuffer {
-            storage: Storage::Lists,
-            ..
-        }) => 2,
-    }
+    let (technique, settings) = match transparency {
+        Transparency::Opaque(_) => (0, 0),
+        Transparency::ABuffer(settings) => (1, u32::from(settings.storage == Storage::Lists)),
+    };
+    technique << 8 | settings
 }
