@@ -1,9 +1,11 @@
 //! Transparency techniques: how a pixel's fragments become one colour.
 
 pub mod a_buffer;
+pub mod dbk_buffer;
 pub mod opaque;
 
 pub use a_buffer::{ABuffer, Storage};
+pub use dbk_buffer::DbkBuffer;
 pub use opaque::Opaque;
 
 use crate::error::Result;
@@ -21,6 +23,8 @@ pub enum Transparency {
     Opaque(Opaque),
     /// Every fragment stored, sorted and composited.
     ABuffer(ABuffer),
+    /// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+    DbkBuffer(DbkBuffer),
 }
 
 impl Default for Transparency {
@@ -35,6 +39,7 @@ impl Transparency {
         match self {
             Self::Opaque(_) => "opaque",
             Self::ABuffer(_) => "a_buffer",
+            Self::DbkBuffer(_) => "dbk_buffer",
         }
     }
 
@@ -46,6 +51,7 @@ impl Transparency {
         match self {
             Self::Opaque(_) => Ok(()),
             Self::ABuffer(settings) => settings.validate(),
+            Self::DbkBuffer(settings) => settings.validate(),
         }
     }
 
@@ -54,6 +60,7 @@ impl Transparency {
         match self {
             Self::Opaque(settings) => settings.raster,
             Self::ABuffer(settings) => settings.raster,
+            Self::DbkBuffer(settings) => settings.raster,
         }
     }
 }
@@ -94,6 +101,23 @@ impl Transparency {
         match self {
             Self::Opaque(_) => opaque::needs(pixels),
             Self::ABuffer(settings) => settings.needs(pixels),
+            Self::DbkBuffer(settings) => settings.needs(pixels),
+        }
+    }
+
+    /// Optical depth beyond which the technique stores nothing; 0 where it does not ask.
+    pub(crate) fn cut_depth(&self) -> f32 {
+        match self {
+            Self::DbkBuffer(settings) => settings.cut_depth(),
+            _ => 0.0,
+        }
+    }
+
+    /// Host units behind the nearest fragment beyond which the technique stores nothing; 0 where it does not ask.
+    pub(crate) fn depth_shift(&self) -> f32 {
+        match self {
+            Self::DbkBuffer(settings) => settings.depth_shift.unwrap_or(0.0),
+            _ => 0.0,
         }
     }
 
@@ -113,6 +137,41 @@ impl Transparency {
     }
 }
 
+/// What a band's fragments are drawn into, and by which rasteriser.
+fn draw<'a>(band: &'a Band, plan: &Plan) -> Draw<'a> {
+    Draw {
+        rasteriser: plan.rasteriser,
+        splits: plan.splits,
+        size: [plan.width, plan.height],
+        rows: [band.first, band.rows],
+        drawings: &band.drawings,
+        on_overflow: false,
+    }
+}
+
+/// What must be known of a band's fragments before they are stored: their number, and which can be seen.
+pub(crate) fn count(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    plan: &Plan,
+) -> Result<()> {
+    let draw = draw(band, plan);
+    match &plan.transparency {
+        Transparency::Opaque(_) => Ok(()),
+        Transparency::ABuffer(settings) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::DbkBuffer(settings) if plan.cuts => {
+            dbk_buffer::count(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::DbkBuffer(_) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, Storage::Counted)
+        }
+    }
+}
+
 /// Fragments of a band of rows into the technique's buffers.
 pub(crate) fn record(
     gpu: &mut Gpu,
@@ -121,18 +180,17 @@ pub(crate) fn record(
     band: &Band,
     plan: &Plan,
 ) -> Result<()> {
-    let draw = Draw {
-        rasteriser: plan.rasteriser,
-        splits: plan.splits,
-        size: [plan.width, plan.height],
-        rows: [band.first, band.rows],
-        drawings: &band.drawings,
-        on_overflow: false,
-    };
+    let draw = draw(band, plan);
     match &plan.transparency {
         Transparency::Opaque(_) => opaque::record(gpu, passes, bound, band, &draw, plan),
         Transparency::ABuffer(settings) => {
             a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::DbkBuffer(settings) if plan.cuts => {
+            dbk_buffer::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::DbkBuffer(_) => {
+            a_buffer::record(gpu, passes, bound, band, &draw, plan, Storage::Counted)
         }
     }
 }
@@ -144,6 +202,7 @@ pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module 
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
         Transparency::ABuffer(settings) => a_buffer::resolve_module(common, settings.storage),
+        Transparency::DbkBuffer(settings) => dbk_buffer::resolve_module(common, settings),
     }
 }
 
@@ -152,6 +211,7 @@ pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
     let (technique, settings) = match transparency {
         Transparency::Opaque(_) => (0, 0),
         Transparency::ABuffer(settings) => (1, u32::from(settings.storage == Storage::Lists)),
+        Transparency::DbkBuffer(settings) => (2, u32::from(settings.depth_shift.is_some())),
     };
     technique << 8 | settings
 }
