@@ -6,6 +6,7 @@ use crate::error::{Error, Result, invalid};
 use crate::geometry::Hair;
 use crate::light::Light;
 use crate::plan::Plan;
+use crate::raster::Rasteriser;
 use crate::resources::Resources;
 use crate::transparency::Transparency;
 use crate::view::View;
@@ -244,6 +245,16 @@ pub(crate) fn record(
             &map.drawings,
             plan,
         )?;
+        if map.rasteriser == Rasteriser::Walk {
+            geometry::order(
+                gpu,
+                passes,
+                &bound,
+                "pelage.shadow.order",
+                &map.drawings,
+                plan,
+            )?;
+        }
         shadow::record(gpu, passes, &bound, map, plan)?;
     }
     geometry::host_tiles(gpu, passes, &bound, plan)?;
@@ -255,6 +266,16 @@ pub(crate) fn record(
         &plan.bands[0].drawings,
         plan,
     )?;
+    if plan.rasteriser == Rasteriser::Walk {
+        geometry::order(
+            gpu,
+            passes,
+            &bound,
+            "pelage.geometry.order",
+            &plan.bands[0].drawings,
+            plan,
+        )?;
+    }
     geometry::track(gpu, passes, &bound, plan)?;
     for band in &plan.bands {
         transparency::count(gpu, passes, &bound, band, plan)?;

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, PointOutput, Projected};
+use crate::layout::{Counters, ORDER_KEYS, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::tables;
@@ -62,6 +62,7 @@ struct Slot {
 /// One run's bind groups.
 pub(crate) struct RunGroups {
     pub project: wgpu::BindGroup,
+    pub order: wgpu::BindGroup,
     pub segments: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
     /// Where an output asks for it.
@@ -99,6 +100,7 @@ pub(crate) struct Bound<'a> {
     pub pixels_read: &'a wgpu::BindGroup,
     pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
+    pub order_counts: &'a wgpu::Buffer,
     /// A copy of the counters, for the arguments in them.
     pub arguments: &'a wgpu::Buffer,
     returned: &'a Allocation,
@@ -163,6 +165,9 @@ pub(crate) struct Returned {
 /// Pools, ring and bind groups.
 pub(crate) struct Resources {
     projected: Allocation,
+    /// The order of every run's segments, and its keys' counts.
+    order: Allocation,
+    order_counts: Allocation,
     shaded: Allocation,
     point_outputs: Allocation,
     host_tiles: Allocation,
@@ -232,6 +237,8 @@ impl Resources {
             .collect::<Result<Vec<_>>>()?;
         Ok(Self {
             projected: empty("pelage.geometry.projected")?,
+            order: empty("pelage.geometry.order")?,
+            order_counts: empty("pelage.geometry.order_counts")?,
             shaded: empty("pelage.shading.points")?,
             point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
@@ -324,6 +331,20 @@ impl Resources {
             &mut self.projected,
             "pelage.geometry.projected",
             points * size_of::<Projected>() as u64,
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.order,
+            "pelage.geometry.order",
+            points * 4,
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.order_counts,
+            "pelage.geometry.order_counts",
+            plan.runs.len() as u64 * ORDER_KEYS * 4,
             generation,
         )?;
         grow(
@@ -508,7 +529,8 @@ impl Resources {
         let runs = plan
             .runs
             .iter()
-            .map(|run| {
+            .enumerate()
+            .map(|(number, run)| {
                 let geometry = &frame.hairs[run.hair].geometry;
                 let (first, base, count) = (
                     u64::from(run.run.first),
@@ -533,7 +555,21 @@ impl Resources {
                     segments: gpu.bind(
                         "pelage.segments",
                         Group::Segments,
-                        &[projected(), part(&geometry.segments, first, count, 4)],
+                        &[projected(), part(&self.order, base, count, 4)],
+                    ),
+                    order: gpu.bind(
+                        "pelage.order",
+                        Group::Order,
+                        &[
+                            projected(),
+                            part(&self.order, base, count, 4),
+                            part(
+                                &self.order_counts,
+                                number as u64 * ORDER_KEYS,
+                                ORDER_KEYS,
+                                4,
+                            ),
+                        ],
                     ),
                     shade: gpu.bind(
                         "pelage.shade",
@@ -681,6 +717,7 @@ impl Resources {
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             point_outputs: &groups.point_outputs,
+            order_counts: &self.order_counts.buffer,
             pixels: &self.pixels,
             attachment: self
                 .attachment
