@@ -9,7 +9,7 @@ use crate::common::{Device, device};
 
 const SIDE: u32 = 48;
 /// Of the opaque scene: it hides a part of the hair.
-const DEPTH: f32 = 0.889;
+const DEPTH: f32 = 0.905;
 const COVERAGE: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
 fn texture(

@@ -20,7 +20,9 @@ pub(super) fn shim() -> &'static PathBuf {
         compiler
             .arg("-o")
             .arg(folder.join("libvulkan.so.1"))
-            .arg("-ldl");
+            .arg("-ldl")
+            // Once it were unloaded, Vulkan's own would be found under its name.
+            .arg("-Wl,-soname,libvulkan.so.1,-z,nodelete");
         run(&mut compiler);
         folder
     })

@@ -296,9 +296,7 @@ impl Aspect {
 /// An image of the host's as a texture, for one submission.
 pub(super) struct Wrapped {
     pub texture: wgpu::Texture,
-    /// In which the texture is before and after the frame.
-    pub state: TextureUses,
-    /// The layout of that state.
+    /// In which the image is before and after the frame.
     layout: vk::ImageLayout,
     aspects: vk::ImageAspectFlags,
     image: Image,
@@ -416,7 +414,6 @@ impl Wrapped {
         let texture = unsafe { device.create_texture_from_hal::<Hal>(texture, &descriptor, state) };
         Ok(Self {
             texture,
-            state,
             layout,
             aspects,
             image: *image,

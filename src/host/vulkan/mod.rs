@@ -20,6 +20,7 @@ use std::sync::Arc;
 
 pub use ash;
 use ash::vk;
+use wgpu::TextureUses;
 
 pub use buffer::Points;
 pub use device::{DeviceDescriptor, HostInstance};
@@ -403,13 +404,14 @@ impl Vulkan {
             subresources: view.subresources(),
         };
         renderer.record(&mut encoder, view.frame, &target)?;
-        // Other layers and levels are in that state from the start, so that nothing happens to them.
+        // Colour and outputs end as they began, as targets. Of the depth the other layers and levels are read-only from the
+        // start, so that nothing happens to them.
         encoder.transition_resources(
             std::iter::empty(),
-            images().map(|image| wgpu::TextureTransition {
-                texture: &image.texture,
+            depth.iter().map(|depth| wgpu::TextureTransition {
+                texture: &depth.texture,
                 selector: None,
-                state: image.state,
+                state: TextureUses::RESOURCE,
             }),
         );
         let barriers = |towards_us| {

@@ -20,7 +20,7 @@ static size_t eye_bytes(int which) {
 /* A depth that hides a part of the hair, other for each eye. */
 static void fill_depth(struct Texture *depth, int eye) {
     VkCommandBuffer commands = begin();
-    const VkClearDepthStencilValue value = { eye ? 0.885f : 0.89f, 0 };
+    const VkClearDepthStencilValue value = { eye ? 0.908f : 0.905f, 0 };
     const VkImageSubresourceRange range = { VK_IMAGE_ASPECT_DEPTH_BIT, depth->image.mip_level, 1, depth->image.layer, 1 };
     move(commands, depth, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdClearDepthStencilImage(commands, depth->image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &value, 1, &range);
