@@ -122,8 +122,7 @@ unsafe fn create_of<T>(
         // SAFETY: the rule of the module `capi`.
         let hair = unsafe { output("hair", hair) }?;
         let made = make()?;
-        let upload =
-            |state: &mut State| state.host.with_renderer(|renderer| upload(renderer, &made));
+        let upload = |state: &mut State| state.host.upload(|renderer| upload(renderer, &made));
         hair.write(PelageHair {
             id: context.make(Kind::Hair, |state| &mut state.hairs, upload)?,
         });

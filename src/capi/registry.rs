@@ -99,22 +99,30 @@ impl Host {
         offscreen.settle(result)
     }
 
-    /// Replaces a hair's points. What that uploads is submitted with the next frame on the host's device, and at once on the
-    /// library's own, where it would be held for as long as none is drawn.
+    /// Runs a call that uploads. On the host's device that is submitted with the next frame, on the library's own at once: it
+    /// would be held for as long as none is drawn.
+    pub fn upload<T>(&mut self, call: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
+        if let Self::Vulkan(vulkan) = self {
+            return vulkan.with_renderer(call);
+        }
+        self.with_renderer(|renderer| {
+            let value = call(renderer)?;
+            renderer.queue().submit([]);
+            Ok(value)
+        })
+    }
+
+    /// Replaces a hair's points.
     pub fn update_points(&mut self, hair: &mut Hair, points: &[[f32; 3]]) -> Result<()> {
         if let Self::Vulkan(vulkan) = self {
             return vulkan.update(hair, |vulkan, hair| {
                 vulkan.with_renderer(|renderer| renderer.update_points(hair, points))
             });
         }
-        self.with_renderer(|renderer| {
-            renderer.update_points(hair, points)?;
-            renderer.queue().submit([]);
-            Ok(())
-        })
+        self.upload(|renderer| renderer.update_points(hair, points))
     }
 
-    /// Moves a hair's guides, likewise.
+    /// Moves a hair's guides.
     pub fn update_guides(&mut self, hair: &mut Hair, points: &[[f32; 3]]) -> Result<()> {
         if let Self::Vulkan(vulkan) = self {
             return vulkan.update(hair, |vulkan, hair| {
