@@ -328,7 +328,7 @@ impl Window {
         // A window takes one surface at a time.
         self.surface = None;
         // SAFETY: the handles are valid until the context is dropped, as the host has promised.
-        let surface = unsafe { make_surface(&self.instance, &self.handles) }?;
+        let surface = unsafe { make_surface(&self.instance, &self.handles) }.map_err(|_| gone())?;
         let offered = surface.get_capabilities(&self.adapter);
         if offered.formats.is_empty() {
             return Err(gone());
@@ -414,9 +414,15 @@ unsafe fn make_surface(
         raw_window_handle: handles.window,
     };
     // SAFETY: the handles are valid until the context is dropped, and the surface with it.
-    unsafe { instance.create_surface_unsafe(target) }.map_err(|error| {
-        Error::Unsupported(format!("this window takes no Vulkan surface: {error}"))
-    })
+    let make = || unsafe { instance.create_surface_unsafe(target) };
+    let refused =
+        |why: &str| Error::Unsupported(format!("this window takes no Vulkan surface: {why}"));
+    // wgpu panics where a driver refuses the window itself, as lavapipe 25 does with one that is no more. It holds nothing by
+    // then that another call could find half done.
+    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(make)) {
+        Ok(made) => made.map_err(|error| refused(&error.to_string())),
+        Err(_) => Err(refused("the driver refuses it")),
+    }
 }
 
 fn gone() -> Error {
