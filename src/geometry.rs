@@ -99,6 +99,8 @@ pub(crate) struct Geometry {
     pub moved: bool,
     /// Whether the points are of the GPU's making, so that `strands` does not know them.
     pub gathered: bool,
+    /// On the host's Vulkan device: the submission before which updates were made last, and how many.
+    pub waiting: (u64, u32),
     /// Which of the host's points each point comes from, once that has been asked for.
     pub places: Option<Allocation>,
     /// The guides that it follows.
@@ -225,6 +227,7 @@ impl Geometry {
             previous: None,
             moved: false,
             gathered: false,
+            waiting: (0, 0),
             places: None,
             guiding: None,
         })

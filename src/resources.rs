@@ -11,6 +11,7 @@ use crate::layout::{Counters, ORDER_KEYS, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::tables;
+use crate::surface::{Subresource, Surface};
 use crate::transparency::Fragments;
 use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 
@@ -56,7 +57,7 @@ struct Slot {
     fills: u64,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
-    depth: Option<wgpu::Texture>,
+    depth: Option<(wgpu::Texture, Subresource)>,
 }
 
 /// One run's bind groups.
@@ -664,12 +665,14 @@ impl Resources {
             return Ok(());
         };
         gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
-        if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
-            let bind = |depth: &wgpu::Texture| {
-                let view = depth.create_view(&wgpu::TextureViewDescriptor {
-                    aspect: wgpu::TextureAspect::DepthOnly,
-                    ..Default::default()
-                });
+        let depth = target.depth_surface();
+        let held = slot
+            .depth
+            .as_ref()
+            .map(|(texture, at)| Surface { texture, at: *at });
+        if stale || slot.frame.is_none() || held != depth {
+            let bind = |depth: Surface| {
+                let view = depth.view(wgpu::TextureAspect::DepthOnly);
                 let block = |size: usize| {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &uniforms.buffer,
@@ -688,9 +691,13 @@ impl Resources {
                     ],
                 )
             };
-            slot.frame = Some(bind(target.depth.unwrap_or(&self.no_depth)));
-            slot.frame_without_depth = Some(bind(&self.no_depth));
-            slot.depth = target.depth.cloned();
+            let none = Surface {
+                texture: &self.no_depth,
+                at: Subresource::default(),
+            };
+            slot.frame = Some(bind(depth.unwrap_or(none)));
+            slot.frame_without_depth = Some(bind(none));
+            slot.depth = depth.map(|depth| (depth.texture.clone(), depth.at));
         }
         slot.bands = plan.bands.len() as u64;
         slot.lists = plan.transparency.needs(0).fragments.linked();
