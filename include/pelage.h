@@ -180,6 +180,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Every fragment stored, sorted and composited.
 #define PELAGE_TRANSPARENCY_A_BUFFER 1
 
+// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+#define PELAGE_TRANSPARENCY_DBK_BUFFER 10
+
 // The library chooses.
 #define PELAGE_RASTER_AUTO 0
 
@@ -709,6 +712,21 @@ typedef struct PelageABuffer {
     uint64_t pool_bytes;
 } PelageABuffer;
 
+// Settings of the DBK-buffer.
+typedef struct PelageDbkBuffer {
+    // `sizeof(PelageDbkBuffer)`.
+    uint32_t struct_size;
+    // How much of a pixel's alpha, and of its culled hair's radiance, may be left out: from 1e-6 to 0.5.
+    float epsilon;
+    // Above 0: what lies farther than this behind the nearest fragment, in host units along the ray, is drawn as one opaque
+    // layer, and `epsilon` is not asked. 0: `epsilon` decides.
+    float depth_shift;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageDbkBuffer;
+
 // A transparency technique with its settings.
 typedef struct PelageTransparency {
     // `sizeof(PelageTransparency)`.
@@ -719,6 +737,8 @@ typedef struct PelageTransparency {
     const struct PelageOpaque *opaque;
     // For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     const struct PelageABuffer *a_buffer;
+    // For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
+    const struct PelageDbkBuffer *dbk_buffer;
 } PelageTransparency;
 
 // How a target is made.
@@ -1549,7 +1569,8 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
-#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 10, NULL, NULL, NULL }
+#define PELAGE_DBK_BUFFER_INIT { sizeof(PelageDbkBuffer), 0.00390625f, 0.0f, 0, 0 }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }

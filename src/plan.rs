@@ -96,6 +96,10 @@ pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
     gpu.max_binding() / FRAGMENT_BYTES
 }
 
+/// Times the optical depth that cuts a pixel off that there must be on average for the search of the cut-off to pay: where it
+/// was 0.95 on a head of hair it saved 18 % of the fragments, and nothing where it was 0.3.
+const CUT_PAYS: f64 = 0.8;
+
 /// Segments wider than this many pixels in all are shared among invocations: some drivers end loops at 65,535 steps.
 const PIXELS_AN_INVOCATION: f64 = 8192.0;
 
@@ -254,7 +258,13 @@ impl Plan {
             shadowed: false,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
-            cuts: matches!(transparency, Transparency::DbkBuffer(_)),
+            cuts: match transparency {
+                Transparency::DbkBuffer(settings) => {
+                    settings.depth_shift.is_some()
+                        || seen.mean_depth() >= CUT_PAYS * f64::from(settings.cut_depth())
+                }
+                _ => false,
+            },
             tracked: target.outputs.wanted().1,
             origin: [left, top],
             parts: 1,
@@ -463,6 +473,8 @@ impl Plan {
             half_width_px: half_width,
             length_px: f64::from(settings.resolution),
             fragments: 0.0,
+            depth: 0.0,
+            bounds: [0.0; 4],
         };
         let drawings = self.drawings(
             frame,
@@ -648,9 +660,22 @@ struct Seen {
     half_width_px: f64,
     length_px: f64,
     fragments: f64,
+    /// Optical depth of all fragments together.
+    depth: f64,
+    /// Left, top, right and bottom of the hair in pixels, within the image.
+    bounds: [f64; 4],
 }
 
 impl Seen {
+    /// Optical depth of a covered pixel on average. A little less than half of the hair's bounds is covered: 22 % to 60 % over
+    /// the built-in grooms and five others.
+    fn mean_depth(&self) -> f64 {
+        const COVERED: f64 = 0.45;
+        let [left, top, right, bottom] = self.bounds;
+        let area = (right - left).max(1.0) * (bottom - top).max(1.0);
+        self.depth / (COVERED * area)
+    }
+
     /// Invocations that share one segment, so that none walks too many pixels.
     fn splits(&self) -> u32 {
         let pixels = self.length_px * (2.0 * self.half_width_px + 3.0);
@@ -671,7 +696,10 @@ fn view_size(
         half_width_px: 0.0,
         length_px: 0.0,
         fragments: 0.0,
+        depth: 0.0,
+        bounds: [f64::INFINITY, f64::INFINITY, 0.0, 0.0],
     };
+    let size = [f64::from(width), f64::from(height)];
     for placed in placed {
         let hair = frame.hairs[placed.hair];
         if hair.geometry.segment_count == 0 {
@@ -710,7 +738,30 @@ fn view_size(
         let middle_px = px(middle.max(nearest));
         let inside = (screen * screen / (diagonal * middle_px).powi(2)).min(1.0);
         let length = hair.geometry.length * placed.scale * middle_px;
-        seen.fragments += length * (2.0 * placed.radius * middle_px + 1.28) * inside.max(0.05);
+        let touched = 2.0 * placed.radius * middle_px + 1.28;
+        let fragments = length * touched * inside.max(0.05);
+        let opacity = f64::from(hair.opacity) * (1.0 - 1.28 / touched);
+        seen.fragments += fragments;
+        seen.depth += fragments * -(1.0 - opacity).max(1e-7).ln();
+        for corner in placed.corners {
+            let clip = *clip_from_relative * corner.extend(1.0);
+            // What reaches behind the eye may be anywhere.
+            let at = |axis: usize, sign: f64| {
+                let middle = 0.5 + 0.5 * sign * clip[axis] / clip.w;
+                middle.clamp(0.0, 1.0) * size[axis]
+            };
+            let places = if clip.w > 0.0 {
+                [[at(0, 1.0), at(1, -1.0)]; 2]
+            } else {
+                [[0.0; 2], size]
+            };
+            for place in places {
+                for axis in 0..2 {
+                    seen.bounds[axis] = seen.bounds[axis].min(place[axis]);
+                    seen.bounds[axis + 2] = seen.bounds[axis + 2].max(place[axis]);
+                }
+            }
+        }
     }
     seen
 }

@@ -13,7 +13,7 @@ use crate::shading::{
     sigma_a_from_reflectance,
 };
 use crate::shadow::{DeepOpacityMap, Shadow};
-use crate::transparency::{ABuffer, Opaque, Storage, Transparency};
+use crate::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
 use glam::Vec3;
 
 /// Kajiya and Kay 1989.
@@ -61,6 +61,8 @@ pub const PELAGE_SHADOW_DEEP_OPACITY_MAP: u32 = 1;
 pub const PELAGE_TRANSPARENCY_OPAQUE: u32 = 0;
 /// Every fragment stored, sorted and composited.
 pub const PELAGE_TRANSPARENCY_A_BUFFER: u32 = 1;
+/// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+pub const PELAGE_TRANSPARENCY_DBK_BUFFER: u32 = 10;
 
 /// The library chooses.
 pub const PELAGE_RASTER_AUTO: u32 = 0;
@@ -537,6 +539,37 @@ impl Default for PelageABuffer {
 
 descriptor!(PelageABuffer, "PELAGE_A_BUFFER_INIT", pool_bytes: u64);
 
+/// Settings of the DBK-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageDbkBuffer {
+    /// `sizeof(PelageDbkBuffer)`.
+    pub struct_size: u32,
+    /// How much of a pixel's alpha, and of its culled hair's radiance, may be left out: from 1e-6 to 0.5.
+    pub epsilon: f32,
+    /// Above 0: what lies farther than this behind the nearest fragment, in host units along the ray, is drawn as one opaque
+    /// layer, and `epsilon` is not asked. 0: `epsilon` decides.
+    pub depth_shift: f32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    pub pool_bytes: u64,
+}
+
+impl Default for PelageDbkBuffer {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            epsilon: DbkBuffer::default().epsilon,
+            depth_shift: 0.0,
+            raster: PELAGE_RASTER_AUTO,
+            pool_bytes: 0,
+        }
+    }
+}
+
+descriptor!(PelageDbkBuffer, "PELAGE_DBK_BUFFER_INIT", pool_bytes: u64);
+
 /// A transparency technique with its settings.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -549,20 +582,23 @@ pub struct PelageTransparency {
     pub opaque: *const PelageOpaque,
     /// For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     pub a_buffer: *const PelageABuffer,
+    /// For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
+    pub dbk_buffer: *const PelageDbkBuffer,
 }
 
 impl Default for PelageTransparency {
     fn default() -> Self {
         Self {
             struct_size: size_of::<Self>() as u32,
-            technique: PELAGE_TRANSPARENCY_A_BUFFER,
+            technique: PELAGE_TRANSPARENCY_DBK_BUFFER,
             opaque: null(),
             a_buffer: null(),
+            dbk_buffer: null(),
         }
     }
 }
 
-descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", a_buffer: *const PelageABuffer);
+descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", dbk_buffer: *const PelageDbkBuffer);
 
 /// What stands behind a pointer to settings, or their defaults behind NULL.
 unsafe fn settings<T: descriptor::Descriptor>(name: &str, pointer: *const T) -> Result<T> {
@@ -830,6 +866,16 @@ pub(super) unsafe fn transparency(
         PELAGE_TRANSPARENCY_A_BUFFER => {
             // SAFETY: the rule of the module `capi`.
             Transparency::ABuffer(a_buffer(&unsafe { settings("a_buffer", given.a_buffer) }?)?)
+        }
+        PELAGE_TRANSPARENCY_DBK_BUFFER => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("dbk_buffer", given.dbk_buffer) }?;
+            Transparency::DbkBuffer(DbkBuffer {
+                epsilon: given.epsilon,
+                depth_shift: (given.depth_shift != 0.0).then_some(given.depth_shift),
+                raster: raster(given.raster)?,
+                pool_bytes: (given.pool_bytes > 0).then_some(given.pool_bytes),
+            })
         }
         unknown => {
             return invalid!("{name}: technique {unknown} is not one of PELAGE_TRANSPARENCY_…");

@@ -29,7 +29,7 @@ pub enum Transparency {
 
 impl Default for Transparency {
     fn default() -> Self {
-        Self::ABuffer(ABuffer::default())
+        Self::DbkBuffer(DbkBuffer::default())
     }
 }
 
