@@ -13,7 +13,7 @@ use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttribute
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::Module;
-use crate::shading::Shading;
+use crate::shading::{Shading, ShadingRate};
 use crate::shadow::Shadow;
 use crate::transparency::Transparency;
 
@@ -52,6 +52,8 @@ pub struct Hair {
     pub opacity: f32,
     /// The shading model.
     pub shading: Shading,
+    /// Where it is evaluated; the same for all hairs of a frame.
+    pub shading_rate: ShadingRate,
     /// The shadow technique that this hair wishes for lights that name none.
     pub shadow: Option<Shadow>,
     /// The transparency technique that this hair wishes for frames that name none.

@@ -8,6 +8,7 @@ use std::time::Instant;
 use crate::error::{Error, Result};
 use crate::raster::Rasteriser;
 use crate::shader::Module;
+use crate::shading::Shader;
 use crate::statistics::PassTime;
 
 /// The kinds of bind groups. Their numbers in WGSL: frame 0, geometry 1, shadow maps 2, pixels 3.
@@ -21,6 +22,7 @@ pub(crate) enum Group {
     Track,
     PointOutputs,
     TablesWritten,
+    TablesRead,
     Gather,
     Guided,
     MapsWritten,
@@ -29,7 +31,7 @@ pub(crate) enum Group {
     PixelsRead,
 }
 
-const GROUPS: [Group; 14] = [
+const GROUPS: [Group; 15] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
@@ -38,6 +40,7 @@ const GROUPS: [Group; 14] = [
     Group::Track,
     Group::PointOutputs,
     Group::TablesWritten,
+    Group::TablesRead,
     Group::Gather,
     Group::Guided,
     Group::MapsWritten,
@@ -60,6 +63,7 @@ impl Group {
             | Self::Track
             | Self::PointOutputs
             | Self::TablesWritten
+            | Self::TablesRead
             | Self::Gather
             | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
@@ -119,6 +123,7 @@ impl Group {
                 .collect(),
             Self::PointOutputs => vec![storage(0, Stages::FRAGMENT, true)],
             Self::TablesWritten => vec![storage(0, Stages::COMPUTE, false)],
+            Self::TablesRead => vec![storage(0, Stages::FRAGMENT, true)],
             Self::Gather => std::iter::once(uniform(0, false))
                 .chain((1..5).map(|binding| storage(binding, Stages::COMPUTE, binding < 4)))
                 .collect(),
@@ -212,6 +217,8 @@ pub(crate) struct PipelineKey {
     pub rasteriser: Option<Rasteriser>,
     pub colour: Option<wgpu::TextureFormat>,
     pub depth: Option<wgpu::TextureFormat>,
+    /// The shading model, where fragments are shaded.
+    pub shading: Option<Shader>,
     pub variant: u32,
 }
 
@@ -222,6 +229,7 @@ impl PipelineKey {
             rasteriser: None,
             colour: None,
             depth: None,
+            shading: None,
             variant: 0,
         }
     }

@@ -7,10 +7,12 @@ use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, workgroups};
-use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
+use crate::layout::{
+    self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE,
+};
 use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
-use crate::shading::Shading;
+use crate::shading::{Shader, Shading, ShadingRate};
 use crate::shadow::deep_opacity_map::front_shift;
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::Transparency;
@@ -71,13 +73,11 @@ pub(crate) struct Plan {
     pub uniforms: Vec<u8>,
     pub strands: u64,
     pub segments: u64,
-    /// The label of the pass that shades points, and the model's shaders.
-    pub shading: (&'static str, &'static [&'static str]),
+    pub shader: Shader,
     /// Every hair's model.
     pub shadings: Vec<Shading>,
     /// Every hair's uniform block.
     materials: Vec<u32>,
-    pub shadowed: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
     /// Whether an output asks for a record of each point.
@@ -200,7 +200,7 @@ impl Plan {
             .try_for_each(|(number, hair)| hair.validate(number))?;
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
-        let shading = one_shading(frame)?;
+        let shader = one_shader(frame)?;
 
         let [left, top, width, height] = target.area();
         let origin = frame.view.origin();
@@ -210,7 +210,7 @@ impl Plan {
             .enumerate()
             .flat_map(|(number, hair)| place_all(number, hair, origin))
             .collect();
-        let (runs, point_count) = plan_runs(frame, &placed, gpu)?;
+        let (runs, point_count) = plan_runs(frame, &placed, shader.rate, gpu)?;
         let clip_from_relative = frame.view.clip_y_up_from_view()
             * frame.view.view_from_world
             * DMat4::from_translation(origin);
@@ -251,10 +251,9 @@ impl Plan {
                 .iter()
                 .map(|placed| frame.hairs[placed.hair].geometry.segment_count)
                 .sum(),
-            shading,
+            shader,
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
-            shadowed: false,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
             tracked: target.outputs.wanted().1,
@@ -278,8 +277,8 @@ impl Plan {
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
                 origin: [left, top],
+                fibre_runs: (point_count * FIBRE_POINT_VECTORS) as u32,
                 padding_0: 0,
-                padding_1: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
             },
@@ -313,6 +312,11 @@ impl Plan {
     /// Tiles of the view that know the host's farthest depth.
     pub fn tile_count(&self) -> u32 {
         self.width.div_ceil(layout::HOST_TILE) * self.height.div_ceil(layout::HOST_TILE)
+    }
+
+    /// Bytes of what shading at fragments reads of points and runs.
+    pub fn fibre_point_bytes(&self) -> u64 {
+        fibre_point_bytes(self.point_count, self.runs.len())
     }
 
     /// Appends a uniform block; its offset.
@@ -359,6 +363,10 @@ impl Plan {
                     clip_from_object: matrix(now * hair.world_from_points),
                     previous_clip_from_object: matrix(before * hair.previous_world_from_points),
                     hair: hair.hair as u32 | (hair.instance as u32) << 16,
+                    fibre_run: self.frame_uniform.fibre_runs
+                        + number as u32 * FIBRE_RUN_VECTORS as u32,
+                    fibre_run_number: number as u32,
+                    largest_radius: hair.radius as f32,
                     relative_from_object: matrix(hair.relative_from_object),
                     radius_scale: hair.scale as f32,
                     opacity: frame.hairs[run.hair].opacity,
@@ -420,7 +428,7 @@ impl Plan {
                 bias: (2.0 * radius + 0.25 * f64::from(settings.pcf + 1) * texel) as f32,
                 ..*uniform
             };
-            self.shadowed = true;
+            self.shader.shadowed = true;
             for camera in cameras.views {
                 let half_width = radius * f64::from(settings.resolution) / cameras.nearest_width;
                 self.add_map(frame, placed, settings, &camera, extent, half_width, gpu)?;
@@ -548,8 +556,21 @@ impl Plan {
     }
 }
 
+/// Bytes of the points and of the runs as shading at fragments reads them.
+fn fibre_point_bytes(points: u64, runs: usize) -> u64 {
+    (points * FIBRE_POINT_VECTORS + runs as u64 * FIBRE_RUN_VECTORS) * 16
+}
+
+/// Runs of a frame whose fragments are shaded at most: what 16 bits count.
+const MAX_FIBRE_RUNS: usize = 1 << 16;
+
 /// The runs of all hairs, with their places in the pools.
-fn plan_runs(frame: &Frame, placed: &[Placed], gpu: &Gpu) -> Result<(Vec<PlannedRun>, u64)> {
+fn plan_runs(
+    frame: &Frame,
+    placed: &[Placed],
+    rate: ShadingRate,
+    gpu: &Gpu,
+) -> Result<(Vec<PlannedRun>, u64)> {
     let mut runs = Vec::new();
     let mut base = 0u64;
     for (number, placed) in placed.iter().enumerate() {
@@ -569,6 +590,21 @@ fn plan_runs(frame: &Frame, placed: &[Placed], gpu: &Gpu) -> Result<(Vec<Planned
         return Err(Error::Unsupported(format!(
             "the frame's hairs have {base} points; this device takes {most}"
         )));
+    }
+    if rate == ShadingRate::Fragment {
+        if runs.len() > MAX_FIBRE_RUNS {
+            return Err(Error::Unsupported(format!(
+                "{} instances: a frame that is shaded per fragment takes {MAX_FIBRE_RUNS}",
+                runs.len()
+            )));
+        }
+        let bytes = fibre_point_bytes(base, runs.len());
+        if bytes > gpu.max_binding() {
+            return Err(Error::Unsupported(format!(
+                "shading per fragment takes {bytes} bytes for the frame's {base} points; this device binds {}",
+                gpu.max_binding()
+            )));
+        }
     }
     Ok((runs, base))
 }
@@ -621,28 +657,29 @@ fn agree<T: Copy + PartialEq + Default>(
     Ok(agreed.map(|(_, wish)| wish).unwrap_or_default())
 }
 
-/// All hairs' model; one model a frame for now, parameters may differ.
-fn one_shading(frame: &Frame) -> Result<(&'static str, &'static [&'static str])> {
-    let first = frame
-        .hairs
-        .first()
-        .map_or("kajiya_kay", |hair| hair.shading.stem());
-    match frame
-        .hairs
-        .iter()
-        .position(|hair| hair.shading.stem() != first)
-    {
-        Some(other) => Err(Error::Conflict(format!(
-            "hair 0 has the shading {first} and hair {other} {}",
-            frame.hairs[other].shading.stem()
-        ))),
-        None => Ok(frame
-            .hairs
-            .first()
-            .map_or(crate::shading::kajiya_kay::POINTS, |hair| {
-                hair.shading.points()
-            })),
+/// All hairs' model and rate; one of each a frame for now, parameters may differ.
+fn one_shader(frame: &Frame) -> Result<Shader> {
+    let Some(first) = frame.hairs.first() else {
+        return Ok(Shader::of(&Shading::default(), ShadingRate::default()));
+    };
+    for (number, hair) in frame.hairs.iter().enumerate() {
+        if hair.shading.stem() != first.shading.stem() {
+            return Err(Error::Conflict(format!(
+                "hair 0 has the shading {} and hair {number} {}",
+                first.shading.stem(),
+                hair.shading.stem()
+            )));
+        }
+        if hair.shading_rate != first.shading_rate {
+            return Err(Error::Conflict(format!(
+                "hair 0 has the shading rate {:?} and hair {number} {:?}",
+                first.shading_rate, hair.shading_rate
+            )));
+        }
     }
+    let mut shader = Shader::of(&first.shading, first.shading_rate);
+    shader.one_material = frame.hairs.iter().all(|hair| hair.shading == first.shading);
+    Ok(shader)
 }
 
 /// How large the hair is on the screen.

@@ -3,15 +3,15 @@
 // M_p = i0e(a) exp(-2 sin² θ_h / v) / (v (1 - e^(-2/v))), a = cos θ_i cos θ_o / v, with θ_o tilted by the lobe: the powers
 // of e are joined, so that nothing overflows. The cosine is inside. With σ_a = 0 the integral over all lights is 1.
 
-fn chiang_sigma_a() -> vec3f { return material.values[0].xyz; }
-fn chiang_eta() -> f32 { return material.values[0].w; }
-fn chiang_v() -> vec4f { return material.values[1]; }
+fn chiang_sigma_a() -> vec3f { return material_value(0u).xyz; }
+fn chiang_eta() -> f32 { return material_value(0u).w; }
+fn chiang_v() -> vec4f { return material_value(1u); }
 // What is added to the view's θ, by lobe.
-fn chiang_tilt() -> vec4f { return material.values[2]; }
-fn chiang_s() -> f32 { return material.values[3].x; }
-fn chiang_intervals() -> u32 { return u32(material.values[3].y); }
+fn chiang_tilt() -> vec4f { return material_value(2u); }
+fn chiang_s() -> f32 { return material_value(3u).x; }
+fn chiang_intervals() -> u32 { return u32(material_value(3u).y); }
 // Transmittance of one crossing at the tip; 1 at the root.
-fn chiang_tip() -> vec3f { return material.values[4].xyz; }
+fn chiang_tip() -> vec3f { return material_value(4u).xyz; }
 
 // e^-x I_0(x) for x ≥ 0 (Abramowitz and Stegun 9.8.1, 9.8.2): 2e-7.
 fn chiang_i0e(x: f32) -> f32 {

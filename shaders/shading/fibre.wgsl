@@ -251,7 +251,7 @@ fn fibre_azimuthal(cylinder: FibreCylinder, sigma_a: vec3f, s: f32, phi: f32, in
 // --- tables --------------------------------------------------------------------------------------------------------
 
 // Where this hair's tables begin, in words of `shading_tables`; their sizes.
-fn fibre_tables() -> vec4u { return bitcast<vec4u>(material.values[15]); }
+fn fibre_tables() -> vec4u { return bitcast<vec4u>(material_value(15u)); }
 
 // Azimuthal functions: rows of |θ| from 0 to π/2, columns of φ from 0 to π, ten values each, as f32 or as f16.
 const FIBRE_TABLE_F16: u32 = 0x10000u;
@@ -321,7 +321,7 @@ fn fibre_angle(theta: f32, field: u32) -> vec3f {
 // --- dual scattering -----------------------------------------------------------------------------------------------
 
 // Densities d_f, d_b; negative where the model is to be used alone.
-fn fibre_densities() -> vec2f { return material.values[14].xy; }
+fn fibre_densities() -> vec2f { return material_value(14u).xy; }
 
 struct FibreForward {
     // What arrives through fibres, and the variance of its inclination.

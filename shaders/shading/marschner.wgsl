@@ -5,17 +5,17 @@
 // halves where these leave the bracket. With `cubic` φ is its fit by a polynomial (Hunz eq. 46). TRT's caustic is taken
 // out by algorithm 1, corrected as the reference says; an elliptic section gives TRT η*(φ_h).
 
-fn marschner_sigma_a() -> vec3f { return material.values[0].xyz; }
-fn marschner_eta() -> f32 { return material.values[0].w; }
-fn marschner_alpha() -> vec3f { return material.values[1].xyz; }
-fn marschner_eccentricity() -> f32 { return material.values[1].w; }
-fn marschner_beta() -> vec3f { return material.values[2].xyz; }
-fn marschner_cubic() -> bool { return material.values[2].w > 0.0; }
+fn marschner_sigma_a() -> vec3f { return material_value(0u).xyz; }
+fn marschner_eta() -> f32 { return material_value(0u).w; }
+fn marschner_alpha() -> vec3f { return material_value(1u).xyz; }
+fn marschner_eccentricity() -> f32 { return material_value(1u).w; }
+fn marschner_beta() -> vec3f { return material_value(2u).xyz; }
+fn marschner_cubic() -> bool { return material_value(2u).w > 0.0; }
 // w_c, k_G, Δη', Δh.
-fn marschner_caustic() -> vec4f { return material.values[3]; }
-fn marschner_removes_caustic() -> bool { return material.values[4].w > 0.0; }
+fn marschner_caustic() -> vec4f { return material_value(3u); }
+fn marschner_removes_caustic() -> bool { return material_value(4u).w > 0.0; }
 // Transmittance of one crossing at the tip; 1 at the root.
-fn marschner_tip() -> vec3f { return material.values[4].xyz; }
+fn marschner_tip() -> vec3f { return material_value(4u).xyz; }
 
 // At a caustic the true N is infinite; here it ends.
 const MARSCHNER_MIN_SLOPE: f32 = 1e-6;

@@ -3,14 +3,14 @@
 // max(1, E(θ_i), E(θ_o)), E the part of the light that is scattered.
 
 // C_p I_p and the shift α_p.
-fn sadeghi_lobe(p: u32) -> vec4f { return material.values[p]; }
+fn sadeghi_lobe(p: u32) -> vec4f { return material_value(p); }
 // β_p, and δ_TT.
-fn sadeghi_widths() -> vec4f { return material.values[3]; }
+fn sadeghi_widths() -> vec4f { return material_value(3u); }
 // I_G, δ_G, and the range of G, within which a strand's own lies.
-fn sadeghi_glint() -> vec4f { return material.values[4]; }
-fn sadeghi_normalised() -> bool { return material.values[5].w > 0.0; }
+fn sadeghi_glint() -> vec4f { return material_value(4u); }
+fn sadeghi_normalised() -> bool { return material_value(5u).w > 0.0; }
 // Transmittance of one crossing at the tip; 1 at the root.
-fn sadeghi_tip() -> vec3f { return material.values[5].xyz; }
+fn sadeghi_tip() -> vec3f { return material_value(5u).xyz; }
 
 fn sadeghi_glint_angle(fibre: Fibre) -> f32 {
     let glint = sadeghi_glint();

@@ -60,9 +60,16 @@ pub(crate) struct Emission {
     pub touch_only: bool,
     /// Pixels of the projection a side of one pixel that is drawn.
     pub downscale: u32,
+    /// Tells emissions of one label but other files apart.
+    pub variant: u32,
 }
 
 impl Emission {
+    /// What tells its pipelines apart.
+    fn variant(&self, plan: &Plan) -> u32 {
+        self.variant * 4 + plan.parts
+    }
+
     pub(crate) fn module(&self, rasteriser: &'static str, parts: u32) -> Module {
         Module::new(&["common/coverage", "common/segment"])
             .with("STAGE", Constant::U32(self.stage))

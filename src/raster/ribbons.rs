@@ -20,7 +20,7 @@ pub(super) fn record(
 ) -> Result<()> {
     let key = PipelineKey {
         rasteriser: Some(Rasteriser::Ribbons),
-        variant: plan.parts,
+        variant: emission.variant(plan),
         ..PipelineKey::new(emission.label)
     };
     let pipeline = gpu.render(key, || RenderSpec {

@@ -152,7 +152,13 @@ impl Held {
 
 /// The module that fills a model's tables.
 pub(crate) fn module(files: &[&'static str]) -> Module {
-    Module::new(&["shadow/none", "shading/fibre_type", "shading/tables"]).and(files)
+    Module::new(&[
+        "shadow/none",
+        "shading/fibre_type",
+        "shading/material",
+        "shading/tables",
+    ])
+    .and(files)
 }
 
 /// Fills the tables that the GPU makes, where that has not been done.

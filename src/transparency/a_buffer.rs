@@ -7,6 +7,7 @@ use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::shading::{Shader, ShadingRate};
 
 const COUNT: Emission = Emission {
     label: "pelage.transparency.a_buffer.count",
@@ -16,11 +17,13 @@ const COUNT: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/tail_sums_emit",
         "transparency/a_buffer_emit",
     ],
     group: Group::PixelsWritten,
     touch_only: true,
     downscale: 1,
+    variant: 0,
 };
 const RANGE: Emission = Emission {
     label: "pelage.transparency.a_buffer.overflow_range",
@@ -51,12 +54,39 @@ const LIST: Emission = Emission {
     ..COUNT
 };
 
+/// The files where colours are found in the resolve alone.
+const UNSHADED: &[&str] = &[
+    "common/pixels",
+    "transparency/emit_common",
+    "transparency/overflow",
+    "transparency/tail_samples_emit",
+    "transparency/a_buffer_emit",
+];
+const UNSHADED_SCATTER_OVERFLOW: Emission = Emission {
+    files: UNSHADED,
+    variant: 1,
+    ..SCATTER_OVERFLOW
+};
+const UNSHADED_LIST: Emission = Emission {
+    files: UNSHADED,
+    variant: 1,
+    ..LIST
+};
+
 /// Workgroups that stride over the pixels: `OVERFLOW_STRIDE` / 64 in WGSL.
 const OVERFLOW_WORKGROUPS: u32 = 256;
 
 /// All stages.
-pub(crate) const EMISSIONS: [Emission; 6] =
-    [COUNT, RANGE, HISTOGRAM, SCATTER, SCATTER_OVERFLOW, LIST];
+pub(crate) const EMISSIONS: [Emission; 8] = [
+    COUNT,
+    RANGE,
+    HISTOGRAM,
+    SCATTER,
+    SCATTER_OVERFLOW,
+    LIST,
+    UNSHADED_SCATTER_OVERFLOW,
+    UNSHADED_LIST,
+];
 
 /// Rounds of the search for a pixel's share; each parts the depth range by four: 4⁵ = 1,024 depths a pixel.
 const SEARCH_ROUNDS: u32 = 5;
@@ -122,8 +152,12 @@ pub(crate) fn record(
         }
         bound.clear_counters(encoder);
     });
+    let (scatter_overflow, list) = match plan.shader.rate {
+        ShadingRate::Point => (&SCATTER_OVERFLOW, &LIST),
+        ShadingRate::Fragment => (&UNSHADED_SCATTER_OVERFLOW, &UNSHADED_LIST),
+    };
     match storage {
-        Storage::Lists => raster::record(gpu, passes, bound, &LIST, draw, plan)?,
+        Storage::Lists => raster::record(gpu, passes, bound, list, draw, plan)?,
         Storage::Counted => {
             raster::record(gpu, passes, bound, &COUNT, draw, plan)?;
             scan(gpu, passes, bound, band, plan, false)?;
@@ -135,7 +169,7 @@ pub(crate) fn record(
             };
             search(gpu, passes, bound, band, &overflowing, plan)?;
             scan(gpu, passes, bound, band, plan, true)?;
-            raster::record(gpu, passes, bound, &SCATTER_OVERFLOW, &overflowing, plan)?;
+            raster::record(gpu, passes, bound, scatter_overflow, &overflowing, plan)?;
             raster::record(gpu, passes, bound, &SCATTER, draw, plan)?;
         }
     }
@@ -273,8 +307,16 @@ fn scan(
 }
 
 /// The files that supply `resolve(pixel)`.
-pub(crate) fn resolve_module(common: Module, storage: Storage) -> Module {
+pub(crate) fn resolve_module(
+    common: Module,
+    storage: Storage,
+    shader: Option<&Shader>,
+) -> Module {
+    let tail = match shader {
+        None => "transparency/tail_sums",
+        Some(_) => "transparency/tail_samples",
+    };
     common
-        .and(&["transparency/overflow", "transparency/a_buffer"])
+        .and(&["transparency/overflow", "transparency/a_buffer", tail])
         .with("LISTS", Constant::Bool(storage == Storage::Lists))
 }

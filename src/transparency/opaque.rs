@@ -17,6 +17,7 @@ const NEAREST: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
     downscale: 1,
+    variant: 0,
 };
 const WINNER: Emission = Emission {
     label: "pelage.transparency.opaque.winner",

@@ -1,0 +1,45 @@
+// Shading at fragments: what is asked of `transparency/shaded` is found anew at the fragment's own place along its segment:
+// position, tangent, shadow and model. `shading/fibre_points` has written what it reads.
+
+@group(1) @binding(0) var<storage, read> shading_tables: array<u32>;
+@group(3) @binding(7) var<storage, read> fibre_points: array<vec4u>;
+
+// Where the fragment's run keeps its parameters.
+var<private> fragments_run: u32;
+
+fn material_value(i: u32) -> vec4f {
+    // All hairs of the frame have the same.
+    if ONE_MATERIAL { return material.values[i]; }
+    return bitcast<vec4f>(fibre_points[fragments_run + i]);
+}
+
+fn fragments_tangent(word: u32) -> vec3f {
+    let flat = unpack2x16snorm(word);
+    let z = 1.0 - abs(flat.x) - abs(flat.y);
+    let below = max(-z, 0.0);
+    return normalize(vec3f(flat - select(vec2f(-below), vec2f(below), flat >= vec2f(0.0)), z));
+}
+
+fn shaded_begin(pixel: vec2u) {}
+
+fn shaded_colour(point: u32, along: f32) -> vec3f {
+    let at = point * FIBRE_POINT_VECTORS;
+    let start = fibre_points[at];
+    let own = fibre_points[at + 1u];
+    let end = fibre_points[at + FIBRE_POINT_VECTORS];
+    let end_own = fibre_points[at + FIBRE_POINT_VECTORS + 1u];
+    fragments_run = frame.fibre_runs + (own.w >> 16u) * FIBRE_RUN_VECTORS;
+    let from_tangent = fragments_tangent(start.w);
+    let turned = mix(from_tangent, fragments_tangent(end.w), along);
+    let size = length(turned);
+    var fibre: Fibre;
+    // Ends that lead against each other have no tangent between them.
+    fibre.tangent = select(from_tangent, turned / max(size, 1e-6), size > 1e-6);
+    fibre.colour = vec3f(unpack2x16float(own.x), unpack2x16float(own.y & 0xffffu).x);
+    fibre.coordinate = mix(f32(own.y >> 16u), f32(end_own.y >> 16u), along) / 65535.0;
+    fibre.strand = own.z;
+    let position = mix(bitcast<vec3f>(start.xyz), bitcast<vec3f>(end.xyz), along);
+    // From the buffer and not from the uniform, since one software driver compiles a fragment shader anew, at every draw, whose
+    // loop ends at a uniform.
+    return shading_radiance(fibre, position, fibre_points[fragments_run + MATERIAL_VECTORS].x);
+}
