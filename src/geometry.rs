@@ -89,6 +89,8 @@ pub(crate) struct Geometry {
     /// Half the extent of the box around all points, whose centre is `origin`.
     pub half_extent: DVec3,
     pub max_radius: f64,
+    /// The greatest channel of the strands' colours.
+    pub brightest: f32,
     /// Sum of all segments' lengths.
     pub length: f64,
     pub strand_count: u64,
@@ -222,6 +224,7 @@ impl Geometry {
             origin: packed.origin,
             half_extent: packed.half_extent,
             max_radius: packed.max_radius,
+            brightest: strands.colours().iter().flatten().fold(0.0, |a, c| a.max(*c)),
             length: packed.length,
             strand_count: strands.strand_count() as u64,
             segment_count: packed.segment_count,

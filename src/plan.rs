@@ -12,6 +12,7 @@ use crate::layout::{
 };
 use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
+use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
 use crate::shadow::deep_opacity_map::front_shift;
 use crate::shadow::{DeepOpacityMap, Shadow};
@@ -74,6 +75,8 @@ pub(crate) struct Plan {
     pub strands: u64,
     pub segments: u64,
     pub shader: Shader,
+    /// How light may go through fibres, where that may be left out.
+    pub transmissions: Vec<Transmission>,
     /// Every hair's model.
     pub shadings: Vec<Shading>,
     /// Every hair's uniform block.
@@ -252,6 +255,7 @@ impl Plan {
                 .map(|placed| frame.hairs[placed.hair].geometry.segment_count)
                 .sum(),
             shader,
+            transmissions: transmissions(frame, &placed, origin, eye_relative),
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
             reverse_z: frame.view.reverse_z,
@@ -338,6 +342,23 @@ impl Plan {
         let last = at + 15 * size_of::<[f32; 4]>();
         self.uniforms[last..last + size_of_val(&place)]
             .copy_from_slice(bytemuck::cast_slice(&place));
+    }
+
+    /// Leaves the TT lobe out where its bound is within every hair's tolerance.
+    pub fn leave_out_transmission(&mut self, bounds: &mut transmission::Bounds) {
+        let mut sum = (0, 0.0f32);
+        let mut small = !self.transmissions.is_empty();
+        for lit in &self.transmissions {
+            let Some((lobe, tolerance)) = self.shadings[lit.hair].transmission() else {
+                return;
+            };
+            if sum.0 != lit.placed {
+                sum = (lit.placed, 0.0);
+            }
+            sum.1 += lit.power * transmission::look_up(bounds.of(&lobe), lit.angle);
+            small &= sum.1 <= tolerance;
+        }
+        self.shader.transmits = !small;
     }
 
     /// Writes the frame's own block, when everything in it is known.
@@ -556,6 +577,62 @@ impl Plan {
     }
 }
 
+/// One light as one placed hair is lit by it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Transmission {
+    pub placed: usize,
+    pub hair: usize,
+    /// The greatest angle between the ways to the light and to the eye, over the whole hair.
+    pub angle: f64,
+    /// The greatest irradiance times the strands' own colour, over the whole hair and all channels.
+    pub power: f32,
+}
+
+/// Every light on every placed hair; none where a hair's model keeps all its lobes.
+fn transmissions(
+    frame: &Frame,
+    placed: &[Placed],
+    origin: DVec3,
+    eye: DVec4,
+) -> Vec<Transmission> {
+    let optional = |hair: &&Hair| hair.shading.transmission().is_some();
+    if frame.hairs.is_empty() || !frame.hairs.iter().all(optional) {
+        return Vec::new();
+    }
+    let lit = |(number, placed): (usize, &Placed)| {
+        let centre = placed.corners.iter().sum::<DVec3>() / 8.0;
+        let radius = placed
+            .corners
+            .iter()
+            .fold(0.0f64, |most, corner| most.max(corner.distance(centre)));
+        let hair = placed.hair;
+        let colour = frame.hairs[hair].geometry.brightest;
+        frame.lights.iter().map(move |light| {
+            let (place, irradiance) = match light.kind {
+                LightKind::Directional {
+                    direction,
+                    irradiance,
+                } => (-direction.extend(0.0), irradiance.max_element()),
+                LightKind::Point {
+                    position,
+                    intensity,
+                } => {
+                    let near = ((position - origin).distance(centre) - radius).max(1e-30);
+                    let place = (position - origin).extend(1.0);
+                    (place, (f64::from(intensity.max_element()) / (near * near)) as f32)
+                }
+            };
+            Transmission {
+                placed: number,
+                hair,
+                angle: greatest_angle(centre, radius, place, eye),
+                power: irradiance * colour,
+            }
+        })
+    };
+    placed.iter().enumerate().flat_map(lit).collect()
+}
+
 /// Bytes of the points and of the runs as shading at fragments reads them.
 fn fibre_point_bytes(points: u64, runs: usize) -> u64 {
     (points * FIBRE_POINT_VECTORS + runs as u64 * FIBRE_RUN_VECTORS) * 16
@@ -678,7 +755,12 @@ fn one_shader(frame: &Frame) -> Result<Shader> {
         }
     }
     let mut shader = Shader::of(&first.shading, first.shading_rate);
-    shader.one_material = frame.hairs.iter().all(|hair| hair.shading == first.shading);
+    for hair in frame.hairs {
+        let own = Shader::of(&hair.shading, hair.shading_rate);
+        shader.one_material &= hair.shading == first.shading;
+        shader.varies |= own.varies;
+        shader.near |= own.near;
+    }
     Ok(shader)
 }
 

@@ -10,7 +10,7 @@ use crate::gpu::{Allocation, Gpu, Group, Passes};
 use crate::layout::{Counters, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
-use crate::shading::{ShadingRate, tables};
+use crate::shading::{ShadingRate, tables, transmission};
 use crate::transparency::Transparency;
 use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
 
@@ -174,6 +174,7 @@ pub(crate) struct Resources {
     host_tiles: Allocation,
     maps: Allocation,
     tables: tables::Held,
+    bounds: transmission::Bounds,
     pixels: Pixels,
     arguments: Allocation,
     generation: u64,
@@ -244,6 +245,7 @@ impl Resources {
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
             tables: tables::Held::default(),
+            bounds: transmission::Bounds::default(),
             pixels: Pixels {
                 counters: empty("pelage.counters")?,
                 fill: empty("pelage.transparency.fill")?,
@@ -296,6 +298,7 @@ impl Resources {
         if plan.runs.is_empty() {
             return Ok(());
         }
+        plan.leave_out_transmission(&mut self.bounds);
         self.tables.hold(gpu, plan)?;
         for hair in 0..plan.shadings.len() {
             let place = self.tables.place(&plan.shadings[hair]);

@@ -8,7 +8,7 @@ use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
     Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shader, Shading, ShadingRate, gather_module,
-    tables,
+    tables, transmission,
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
@@ -35,8 +35,8 @@ pub fn models() -> [Shading; 5] {
 
 /// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
 pub fn shading_source(shading: &Shading) -> String {
-    Module::new(&["shadow/none", "shading/fibre_type", "shading/material"])
-        .and(shading.points().1)
+    Shader::of(shading, ShadingRate::Fragment)
+        .functions()
         .join()
         .source
 }
@@ -50,6 +50,28 @@ pub fn tables_source(shading: &Shading) -> String {
 pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) {
     let (places, words, size) = tables::lay_out(&[*shading], ambient);
     (places[0], words, size)
+}
+
+/// The bound of a model's TT lobe with no light further from the eye's direction than this; `None` where it is never left out.
+pub fn transmission_bound(shading: &Shading, angle: f64) -> Option<f32> {
+    let tolerant = match *shading {
+        Shading::Marschner(model) => Shading::Marschner(Marschner {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        Shading::Sadeghi(model) => Shading::Sadeghi(Sadeghi {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        Shading::Chiang(model) => Shading::Chiang(Chiang {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        other => other,
+    };
+    let (lobe, _) = tolerant.transmission()?;
+    let bound = transmission::Bounds::default().of(&lobe).to_owned();
+    Some(transmission::look_up(&bound, angle))
 }
 
 /// Every module that the crate can build.

@@ -20,7 +20,35 @@ fn fragments_tangent(word: u32) -> vec3f {
     return normalize(vec3f(flat - select(vec2f(-below), vec2f(below), flat >= vec2f(0.0)), z));
 }
 
-fn shaded_begin(pixel: vec2u) {}
+// The pixel that is resolved.
+var<private> fragments_pixel: vec2u;
+
+fn shaded_begin(pixel: vec2u) { fragments_pixel = pixel; }
+
+// Where the line of sight through the view's pixel coordinates passes the fibre: from -1 to 1 across it, as Chiang's h.
+fn fragments_offset(coordinates: vec2f, position: vec3f, tangent: vec3f, radius: f32) -> f32 {
+    let ndc = vec2f(2.0, -2.0) * coordinates / vec2f(f32(frame.width), f32(frame.height)) + vec2f(-1.0, 1.0);
+    let homogeneous = frame.relative_from_clip * vec4f(ndc, 0.5, 1.0);
+    let seen = homogeneous.xyz / homogeneous.w;
+    let to_eye = frame.eye.xyz - seen * frame.eye.w;
+    let across = cross(tangent, to_eye);
+    let size = length(across);
+    let on_ray = select(seen, frame.eye.xyz, frame.eye.w > 0.0);
+    return select(0.0, -dot(on_ray - position, across) / max(size * radius, 1e-30), size > 1e-12);
+}
+
+// The part of the fibre's width that the pixel sees; all of it where it is not wider than the pixel.
+fn fragments_across(position: vec3f, tangent: vec3f, radius: f32) -> vec2f {
+    let centre = vec2f(fragments_pixel) + 0.5;
+    let h = fragments_offset(centre, position, tangent, radius);
+    let right = fragments_offset(centre + vec2f(1.0, 0.0), position, tangent, radius) - h;
+    let below = fragments_offset(centre + vec2f(0.0, 1.0), position, tangent, radius) - h;
+    let half = 0.5 * length(vec2f(right, below));
+    if !(half < 1.0) { return vec2f(-1.0, 1.0); }
+    // A centre beside the fibre sees its rim: never less than a hundredth of the pixel.
+    let middle = clamp(h, -1.0 - 0.98 * half, 1.0 + 0.98 * half);
+    return clamp(vec2f(middle - half, middle + half), vec2f(-1.0), vec2f(1.0));
+}
 
 fn shaded_colour(point: u32, along: f32) -> vec3f {
     let at = point * FIBRE_POINT_VECTORS;
@@ -39,6 +67,12 @@ fn shaded_colour(point: u32, along: f32) -> vec3f {
     fibre.coordinate = mix(f32(own.y >> 16u), f32(end_own.y >> 16u), along) / 65535.0;
     fibre.strand = own.z;
     let position = mix(bitcast<vec3f>(start.xyz), bitcast<vec3f>(end.xyz), along);
+    fibre.across = vec2f(-1.0, 1.0);
+    if NEAR {
+        let largest = bitcast<f32>(fibre_points[fragments_run + MATERIAL_VECTORS].y);
+        let radius = mix(unpack2x16float(own.w).x, unpack2x16float(end_own.w).x, along) * largest;
+        fibre.across = fragments_across(position, fibre.tangent, radius);
+    }
     // From the buffer and not from the uniform, since one software driver compiles a fragment shader anew, at every draw, whose
     // loop ends at a uniform.
     return shading_radiance(fibre, position, fibre_points[fragments_run + MATERIAL_VECTORS].x);

@@ -16,6 +16,7 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
     fibre.colour = vec3f(unpack2x16float(colour.x), unpack2x16float(colour.y).x);
     fibre.coordinate = attributes[index].coordinate;
     fibre.strand = strand & POINT_STRAND;
+    fibre.across = vec2f(-1.0, 1.0);
     let radiance = shading_radiance(fibre, points_relative(index), frame.light_count);
     shaded[drawing.point_base + index] = vec2u(pack2x16float(radiance.xy), pack2x16float(vec2f(radiance.z, 0.0)));
 }

@@ -11,10 +11,11 @@ pub mod marschner;
 pub mod sadeghi;
 pub mod scheuermann;
 pub(crate) mod tables;
+pub(crate) mod transmission;
 
 pub use chiang::Chiang;
 pub use fibre::{
-    DualScattering, HairColour, Precision, Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
+    DualScattering, HairColour, Precision, RoughnessVariation, Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
 };
 pub use kajiya_kay::KajiyaKay;
 pub use marschner::{CausticRemoval, Marschner, Roots};
@@ -125,7 +126,7 @@ impl Shading {
     pub(crate) fn tables(&self) -> Option<Tables> {
         match self {
             Self::Marschner(model) => model.tables,
-            Self::Chiang(model) => model.tables,
+            Self::Chiang(model) => model.tables.filter(|_| !model.roughness.varies()),
             Self::KajiyaKay(_) | Self::Scheuermann(_) | Self::Sadeghi(_) => None,
         }
     }
@@ -137,6 +138,29 @@ impl Shading {
             Self::Chiang(_) => Some(chiang::TABLES),
             Self::KajiyaKay(_) | Self::Scheuermann(_) | Self::Sadeghi(_) => None,
         }
+    }
+
+    /// Whether roughness varies between or along strands.
+    fn varies(&self) -> bool {
+        match self {
+            Self::Marschner(model) => model.roughness.varies(),
+            Self::Sadeghi(model) => model.roughness.varies(),
+            Self::Chiang(model) => model.roughness.varies(),
+            Self::KajiyaKay(_) | Self::Scheuermann(_) => false,
+        }
+    }
+
+    /// The TT lobe and the radiance by which leaving it out may change a fibre, where it may be left out at all.
+    pub(crate) fn transmission(&self) -> Option<(transmission::Lobe, f32)> {
+        let (lobe, tolerance) = match self {
+            Self::Marschner(model) => (model.transmission(), model.lobe_tolerance),
+            Self::Sadeghi(model) => (model.transmission(), model.lobe_tolerance),
+            Self::Chiang(model) => (model.transmission(), model.lobe_tolerance),
+            Self::KajiyaKay(_) | Self::Scheuermann(_) => return None,
+        };
+        let single = self.dual_scattering().is_none() && !self.varies();
+        let lobe = lobe.filter(|_| single && tolerance > 0.0)?;
+        Some((lobe, tolerance))
     }
 
     pub(crate) fn dual_scattering(&self) -> Option<DualScattering> {
@@ -181,6 +205,12 @@ pub(crate) struct Shader {
     pub shadowed: bool,
     /// Whether all hairs have the same parameters.
     pub one_material: bool,
+    /// Whether any hair's roughness varies.
+    pub varies: bool,
+    /// Whether any hair is to be seen by its near field.
+    pub near: bool,
+    /// Whether light goes through fibres: the TT lobe.
+    pub transmits: bool,
 }
 
 impl Shader {
@@ -192,7 +222,16 @@ impl Shader {
             rate,
             shadowed: false,
             one_material: true,
+            varies: shading.varies(),
+            near: rate == ShadingRate::Fragment
+                && matches!(shading, Shading::Chiang(model) if model.near_field),
+            transmits: true,
         }
+    }
+
+    /// What tells its pipelines for points apart.
+    fn variant(&self) -> u32 {
+        u32::from(self.shadowed) | u32::from(self.varies) << 1 | u32::from(!self.transmits) << 2
     }
 
     /// The shader, where fragments are what it shades.
@@ -205,6 +244,19 @@ impl Shader {
         Module::new(shadow::look_up(self.shadowed))
             .and(&["shading/fibre_type", "shading/radiance"])
             .and(self.files)
+            .with("VARIES", Constant::Bool(self.varies))
+            .with("NEAR", Constant::Bool(self.near))
+            .with("TRANSMITS", Constant::Bool(self.transmits))
+    }
+
+    /// The model's functions alone, of the material that is bound.
+    pub fn functions(&self) -> Module {
+        Module {
+            files: Vec::new(),
+            ..self.model()
+        }
+        .and(&["shadow/none", "shading/fibre_type", "shading/material"])
+        .and(self.files)
     }
 
     /// The module that shades points.
@@ -236,7 +288,7 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
     let (label, pipeline) = match shader.rate {
         ShadingRate::Point => {
             let key = PipelineKey {
-                variant: u32::from(shader.shadowed),
+                variant: shader.variant(),
                 ..PipelineKey::new(shader.label)
             };
             let groups = [Group::Frame, Group::Shade, Group::MapsRead];

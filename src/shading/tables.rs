@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::Plan;
 use crate::resources::{Bound, RING};
-use crate::shader::Module;
+use crate::shader::{Constant, Module};
 
 /// Where a model's tables begin, in words: by one inclination, azimuthal; size and format; 0.
 pub(crate) type Place = [u32; 4];
@@ -159,6 +159,9 @@ pub(crate) fn module(files: &[&'static str]) -> Module {
         "shading/tables",
     ])
     .and(files)
+    .with("VARIES", Constant::Bool(false))
+    .with("NEAR", Constant::Bool(false))
+    .with("TRANSMITS", Constant::Bool(true))
 }
 
 /// Fills the tables that the GPU makes, where that has not been done.
