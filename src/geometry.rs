@@ -224,7 +224,11 @@ impl Geometry {
             origin: packed.origin,
             half_extent: packed.half_extent,
             max_radius: packed.max_radius,
-            brightest: strands.colours().iter().flatten().fold(0.0, |a, c| a.max(*c)),
+            brightest: strands
+                .colours()
+                .iter()
+                .flatten()
+                .fold(0.0, |a, c| a.max(*c)),
             length: packed.length,
             strand_count: strands.strand_count() as u64,
             segment_count: packed.segment_count,

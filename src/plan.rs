@@ -589,12 +589,7 @@ pub(crate) struct Transmission {
 }
 
 /// Every light on every placed hair; none where a hair's model keeps all its lobes.
-fn transmissions(
-    frame: &Frame,
-    placed: &[Placed],
-    origin: DVec3,
-    eye: DVec4,
-) -> Vec<Transmission> {
+fn transmissions(frame: &Frame, placed: &[Placed], origin: DVec3, eye: DVec4) -> Vec<Transmission> {
     let optional = |hair: &&Hair| hair.shading.transmission().is_some();
     if frame.hairs.is_empty() || !frame.hairs.iter().all(optional) {
         return Vec::new();
@@ -619,7 +614,10 @@ fn transmissions(
                 } => {
                     let near = ((position - origin).distance(centre) - radius).max(1e-30);
                     let place = (position - origin).extend(1.0);
-                    (place, (f64::from(intensity.max_element()) / (near * near)) as f32)
+                    (
+                        place,
+                        (f64::from(intensity.max_element()) / (near * near)) as f32,
+                    )
                 }
             };
             Transmission {

@@ -7,8 +7,8 @@ use std::mem::offset_of;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
-    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shader, Shading, ShadingRate, gather_module,
-    tables, transmission,
+    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shader, Shading, ShadingRate,
+    gather_module, tables, transmission,
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{

@@ -6,8 +6,8 @@
 
 use glam::Vec3;
 use pelage::shading::{
-    Chiang, DualScattering, Highlight, KajiyaKay, Marschner, Precision, Roots, RoughnessVariation, Sadeghi,
-    Scheuermann, Shading, ShadingRate, Tables,
+    Chiang, DualScattering, Highlight, KajiyaKay, Marschner, Precision, Roots, RoughnessVariation,
+    Sadeghi, Scheuermann, Shading, ShadingRate, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
@@ -496,7 +496,10 @@ pub fn shading(map: &Map<String, Value>, fibre: &Fibre) -> Result<Shading> {
             set(&mut model.tip_colour, keys.tip_colour.map(Vec3::from));
             model.tables = keys.tables.unwrap_or_default().tables();
             model.dual_scattering = keys.dual_scattering.unwrap_or_default().dual_scattering();
-            set(&mut model.roughness, keys.roughness.map(RoughnessKeys::variation));
+            set(
+                &mut model.roughness,
+                keys.roughness.map(RoughnessKeys::variation),
+            );
             set(&mut model.lobe_tolerance, keys.lobe_tolerance);
             Ok(Shading::Marschner(model))
         }
@@ -514,7 +517,10 @@ pub fn shading(map: &Map<String, Value>, fibre: &Fibre) -> Result<Shading> {
             set(&mut model.normalised, keys.normalised);
             set(&mut model.tip_colour, keys.tip_colour.map(Vec3::from));
             model.dual_scattering = keys.dual_scattering.unwrap_or_default().dual_scattering();
-            set(&mut model.roughness, keys.roughness.map(RoughnessKeys::variation));
+            set(
+                &mut model.roughness,
+                keys.roughness.map(RoughnessKeys::variation),
+            );
             set(&mut model.lobe_tolerance, keys.lobe_tolerance);
             Ok(Shading::Sadeghi(model))
         }
@@ -525,7 +531,10 @@ pub fn shading(map: &Map<String, Value>, fibre: &Fibre) -> Result<Shading> {
             set(&mut model.tip_colour, keys.tip_colour.map(Vec3::from));
             model.tables = keys.tables.unwrap_or_default().tables();
             model.dual_scattering = keys.dual_scattering.unwrap_or_default().dual_scattering();
-            set(&mut model.roughness, keys.roughness.map(RoughnessKeys::variation));
+            set(
+                &mut model.roughness,
+                keys.roughness.map(RoughnessKeys::variation),
+            );
             set(&mut model.lobe_tolerance, keys.lobe_tolerance);
             set(&mut model.near_field, keys.near_field);
             Ok(Shading::Chiang(model))

@@ -9,8 +9,8 @@ use crate::error::{Result, invalid};
 use crate::raster::Raster;
 use crate::shading::{
     CausticRemoval, Chiang, DualScattering, HairColour, Highlight, KajiyaKay, LobeControls,
-    Marschner, Precision, Roots, RoughnessVariation, Sadeghi, Scheuermann, Shading, ShadingRate, Tables,
-    sigma_a_from_melanin, sigma_a_from_reflectance,
+    Marschner, Precision, Roots, RoughnessVariation, Sadeghi, Scheuermann, Shading, ShadingRate,
+    Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
 };
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::{ABuffer, Opaque, Storage, Transparency};

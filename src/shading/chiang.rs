@@ -93,7 +93,12 @@ impl Chiang {
         }
         self.tables.map_or(Ok(()), |t| t.validate("chiang"))?;
         self.roughness.validate("chiang")?;
-        within("chiang", "lobe_tolerance", self.lobe_tolerance, MAX_TOLERANCE)?;
+        within(
+            "chiang",
+            "lobe_tolerance",
+            self.lobe_tolerance,
+            MAX_TOLERANCE,
+        )?;
         self.dual_scattering
             .map_or(Ok(()), |d| d.validate("chiang"))
     }
@@ -138,7 +143,11 @@ impl Chiang {
         if self.near_field {
             return None;
         }
-        let intervals = if self.tables.is_some() { 128 } else { self.intervals };
+        let intervals = if self.tables.is_some() {
+            128
+        } else {
+            self.intervals
+        };
         Some(transmission::Lobe {
             along: transmission::Along::Chiang {
                 v: self.variances()[1],

@@ -168,7 +168,12 @@ impl Marschner {
         all_within("marschner", "tip_colour", self.tip_colour, [0.0, 1.0])?;
         self.tables.map_or(Ok(()), |t| t.validate("marschner"))?;
         self.roughness.validate("marschner")?;
-        within("marschner", "lobe_tolerance", self.lobe_tolerance, MAX_TOLERANCE)?;
+        within(
+            "marschner",
+            "lobe_tolerance",
+            self.lobe_tolerance,
+            MAX_TOLERANCE,
+        )?;
         self.dual_scattering
             .map_or(Ok(()), |d| d.validate("marschner"))
     }

@@ -15,7 +15,8 @@ pub(crate) mod transmission;
 
 pub use chiang::Chiang;
 pub use fibre::{
-    DualScattering, HairColour, Precision, RoughnessVariation, Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
+    DualScattering, HairColour, Precision, RoughnessVariation, Tables, sigma_a_from_melanin,
+    sigma_a_from_reflectance,
 };
 pub use kajiya_kay::KajiyaKay;
 pub use marschner::{CausticRemoval, Marschner, Roots};

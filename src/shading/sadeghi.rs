@@ -170,7 +170,12 @@ impl Sadeghi {
         }
         all_within("sadeghi", "tip_colour", self.tip_colour, [0.0, 1.0])?;
         self.roughness.validate("sadeghi")?;
-        within("sadeghi", "lobe_tolerance", self.lobe_tolerance, MAX_TOLERANCE)?;
+        within(
+            "sadeghi",
+            "lobe_tolerance",
+            self.lobe_tolerance,
+            MAX_TOLERANCE,
+        )?;
         self.dual_scattering
             .map_or(Ok(()), |d| d.validate("sadeghi"))
     }

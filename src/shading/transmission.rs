@@ -125,7 +125,11 @@ impl Along {
             Self::Chiang { v, tilt } => {
                 let view = [theta_o[0] + tilt, theta_o[1] + tilt];
                 // Tilted past ±π/2 the function is that of the supplementary angle: both branches.
-                let branches = [view, [PI - view[1], PI - view[0]], [-PI - view[1], -PI - view[0]]];
+                let branches = [
+                    view,
+                    [PI - view[1], PI - view[0]],
+                    [-PI - view[1], -PI - view[0]],
+                ];
                 let one = |view: [f64; 2]| {
                     let view = [view[0].max(-FRAC_PI_2), view[1].min(FRAC_PI_2)];
                     if view[0] > view[1] {
@@ -162,7 +166,8 @@ impl Along {
 fn fresnel(eta: f64, cosine: f64) -> f64 {
     let c = cosine.clamp(0.0, 1.0);
     let c_t = (eta * eta - 1.0 + c * c).sqrt() / eta;
-    0.5 * (((c - eta * c_t) / (c + eta * c_t)).powi(2) + ((eta * c - c_t) / (eta * c + c_t)).powi(2))
+    0.5 * (((c - eta * c_t) / (c + eta * c_t)).powi(2)
+        + ((eta * c - c_t) / (eta * c + c_t)).powi(2))
 }
 
 impl Around {
@@ -284,7 +289,9 @@ impl Lobe {
                 }
             }
         }
-        bound.map(|value| (value * SLACK).min(f64::from(f32::MAX)) as f32)
+        // Never rounded to 0, which single precision would make of the smallest.
+        let [least, most] = [f32::MIN_POSITIVE, f32::MAX].map(f64::from);
+        bound.map(|value| (value * SLACK).clamp(least, most) as f32)
     }
 }
 

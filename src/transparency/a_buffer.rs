@@ -307,11 +307,7 @@ fn scan(
 }
 
 /// The files that supply `resolve(pixel)`.
-pub(crate) fn resolve_module(
-    common: Module,
-    storage: Storage,
-    shader: Option<&Shader>,
-) -> Module {
+pub(crate) fn resolve_module(common: Module, storage: Storage, shader: Option<&Shader>) -> Module {
     let tail = match shader {
         None => "transparency/tail_sums",
         Some(_) => "transparency/tail_samples",

@@ -10,7 +10,7 @@ use pelage_reference::error::{alpha_error, colour_error};
 use pelage_reference::fragments::Fragment;
 use pelage_reference::kajiya_kay;
 
-use crate::common::images::{Tolerance, assert_close, assert_identical, render, write_failure};
+use crate::common::images::{assert_identical, render, write_failure};
 use crate::common::scenes::{
     A_BUFFERS, a_buffer, camera, curve_tangents, lists, portrait, unshadowed, world,
 };
@@ -65,8 +65,7 @@ fn fragment_radiance(frame: &Frame) -> impl Fn(&Fragment) -> [f64; 3] + Sync + u
                 exponent: f64::from(model.exponent),
             };
             let of = |&(to_light, irradiance): &(DVec3, DVec3)| {
-                irradiance[channel]
-                    * kajiya_kay::scatter(tangent, to_light, eye - position, &model)
+                irradiance[channel] * kajiya_kay::scatter(tangent, to_light, eye - position, &model)
             };
             lights.iter().map(of).sum()
         })
@@ -117,19 +116,34 @@ fn frame<'a>(hairs: &'a [&'a Hair], lights: &'a [Light]) -> Frame<'a> {
 
 fn at_fragments(frame: &Frame) -> Image {
     let opacity = f64::from(frame.hairs[0].opacity);
-    composite::composite(
-        &lists(frame, SIZE, None),
-        opacity,
-        fragment_radiance(frame),
-    )
+    composite::composite(&lists(frame, SIZE, None), opacity, fragment_radiance(frame))
 }
 
-/// A fragment's place in 16 bits, its tangent in 2 × 16 and its colour as f32, and depths that f32 cannot tell apart:
-/// measured RMSE 4e-4, p99 1.3e-3 of colours up to about 1.
-const EXACT: Tolerance = Tolerance {
-    rmse: 1e-3,
-    p99: 4e-3,
-};
+/// RMSE of colours up to about 1: a fragment's place in 16 bits, its tangent in 2 × 16, depths that f32 cannot tell apart, and
+/// where strands of few points turn sharply the coverage at their joints, which is the same at either rate. Measured 1.4e-5 and 2.0e-5 for
+/// straight hair, 3.1e-4 and 6.2e-4 for curly hair, 4.4e-4 for two hairs; points give 0.005 to 0.025.
+const EXACT: f64 = 1e-3;
+/// With a place along the segment in 8 bits.
+const EIGHT_BITS: f64 = 4e-3;
+
+/// Asserts the colours, and that coverage is what it is at the other rate: the picture `at_points`.
+fn assert_colours(
+    name: &str,
+    actual: &Image,
+    expected: &Image,
+    at_points: &Image,
+    rmse: f64,
+) -> f64 {
+    let error = colour_error(actual, expected, None);
+    eprintln!("{name}: {error:?}");
+    let alphas = |image: &Image| image.pixels.iter().map(|p| p[3]).collect::<Vec<_>>();
+    assert_eq!(alphas(actual), alphas(at_points), "{name}");
+    if error.rmse > rmse {
+        write_failure(name, actual, expected);
+        panic!("{name}: {error:?}");
+    }
+    error.rmse
+}
 
 #[test]
 fn fragments_are_lit_at_their_own_place() {
@@ -151,10 +165,8 @@ fn fragments_are_lit_at_their_own_place() {
             hair.shading_rate = ShadingRate::Fragment;
             let (actual, _) = render(&mut device, &frame(&[&hair], &lights), SIZE);
             let name = format!("{name}, shaded at fragments");
-            let [exact, _] = assert_close(&name, &actual, &expected, EXACT);
-            if detail == "8 points" {
-                assert!(error.rmse > 3.0 * exact.rmse, "{name}: {error:?} at points");
-            }
+            let exact = assert_colours(&name, &actual, &expected, &at_points, EXACT);
+            assert!(error.rmse > 10.0 * exact, "{name}: {error:?} at points");
         }
     }
 }
@@ -164,28 +176,35 @@ fn every_storage_rasteriser_and_technique_shades_fragments() {
     let Some(mut device) = device() else { return };
     let strands = coarse(&builtin(BuiltinGroom::Wavy, 400).unwrap(), 8);
     let mut hair = hair(&mut device, &strands, Shading::KajiyaKay(SHINY));
-    hair.shading_rate = ShadingRate::Fragment;
-    let (hairs, lights) = ([&hair], lights());
-    let mut frame = frame(&hairs, &lights);
-    let expected = at_fragments(&frame);
-    for (name, storage, raster) in A_BUFFERS {
-        frame.transparency = Some(a_buffer(storage, raster));
-        let (actual, _) = render(&mut device, &frame, SIZE);
-        assert_close(&format!("at fragments, {name}"), &actual, &expected, EXACT);
-    }
-    frame.transparency = Some(Transparency::Opaque(Opaque::default()));
-    let (actual, _) = render(&mut device, &frame, SIZE);
-    let nearest = composite::opaque(
-        &lists(&frame, SIZE, None),
-        f64::from(hair.opacity),
-        fragment_radiance(&frame),
-    );
-    // A place along the segment in 8 bits.
-    let eighth = Tolerance {
-        rmse: 4e-3,
-        p99: 0.02,
+    let lights = lights();
+    let (expected, nearest) = {
+        let hairs = [&hair];
+        let frame = frame(&hairs, &lights);
+        let fragments = lists(&frame, SIZE, None);
+        let opacity = f64::from(hair.opacity);
+        let nearest = composite::opaque(&fragments, opacity, fragment_radiance(&frame));
+        (at_fragments(&frame), nearest)
     };
-    assert_close("at fragments, opaque", &actual, &nearest, eighth);
+    let opaque = Transparency::Opaque(Opaque::default());
+    let techniques = A_BUFFERS
+        .map(|(name, storage, raster)| (name, a_buffer(storage, raster), &expected, EXACT))
+        .into_iter()
+        .chain([("opaque", opaque, &nearest, EIGHT_BITS)]);
+    for (name, technique, expected, tolerance) in techniques {
+        let mut picture = |rate| {
+            hair.shading_rate = rate;
+            let hairs = [&hair];
+            let frame = Frame {
+                transparency: Some(technique),
+                ..frame(&hairs, &lights)
+            };
+            render(&mut device, &frame, SIZE).0
+        };
+        let at_points = picture(ShadingRate::Point);
+        let actual = picture(ShadingRate::Fragment);
+        let name = format!("at fragments, {name}");
+        assert_colours(&name, &actual, expected, &at_points, tolerance);
+    }
 }
 
 #[test]
@@ -207,17 +226,26 @@ fn hairs_of_other_parameters_and_places_keep_their_own() {
     let mut second = hair(&mut device, &curly, Shading::KajiyaKay(other));
     second.world_from_object =
         DMat4::from_translation(DVec3::new(0.05, -0.02, 0.03)) * DMat4::from_rotation_y(0.4);
+    let lights = lights();
+    let (at_points, _) = render(&mut device, &frame(&[&first, &second], &lights), SIZE);
     first.shading_rate = ShadingRate::Fragment;
     second.shading_rate = ShadingRate::Fragment;
-    let (hairs, lights) = ([&first, &second], lights());
+    let hairs = [&first, &second];
     let frame = frame(&hairs, &lights);
     let (actual, _) = render(&mut device, &frame, SIZE);
-    assert_close("two hairs at fragments", &actual, &at_fragments(&frame), EXACT);
+    let expected = at_fragments(&frame);
+    assert_colours(
+        "two hairs at fragments",
+        &actual,
+        &expected,
+        &at_points,
+        EXACT,
+    );
 }
 
 /// Where points lie close together both rates agree: what remains is the second difference within a segment, and that colours
-/// of points are 16-bit floats. Measured RMSE up to 0.007 of colours up to 1 (Marschner's glints).
-const CLOSE: f64 = 0.015;
+/// of points are 16-bit floats. Measured RMSE 1e-4 (Chiang, Marschner) to 2e-3 (Sadeghi, Scheuermann).
+const CLOSE: f64 = 4e-3;
 
 #[test]
 fn every_model_shades_fragments_as_it_shades_points_close_together() {
@@ -267,9 +295,9 @@ fn every_model_shades_fragments_as_it_shades_points_close_together() {
     }
 }
 
-/// With a tenth of the pool: what is merged has the mean colour of three of its fragments. Measured RMSE 0.03, p99 0.14 with counted
-/// arrays, which merge the farthest; lists merge what comes late.
-const SAMPLED: [f64; 2] = [0.08, 0.3];
+/// With a tenth of the pool: what is merged has the mean colour of three of its fragments. Measured RMSE 0.023, p99 0.11 with counted
+/// arrays, which merge the farthest; 0.038 and 0.18 with lists, which merge what comes late, as the scheduler has it.
+const SAMPLED: [f64; 2] = [0.07, 0.3];
 
 #[test]
 fn a_small_pool_erases_no_hair_at_fragments() {

@@ -1,8 +1,6 @@
 //! Roughness that varies between strands and along them, against the reference of the roughness that it comes to.
 
-use pelage::shading::{
-    Chiang, Marschner, Precision, RoughnessVariation, Sadeghi, Shading, Tables,
-};
+use pelage::shading::{Chiang, Marschner, Precision, RoughnessVariation, Sadeghi, Shading, Tables};
 use pelage::testing;
 
 use super::harness::{Case, Evaluator, hard_cases};
@@ -47,8 +45,13 @@ fn varied_fibres_are_those_of_the_roughness_that_it_comes_to() {
             .collect()
     };
     let factors: Vec<f32> = (0..40).map(|strand| factor(strand, 0.0)).collect();
-    let (least, most) = factors.iter().fold((2.0f32, 0.0f32), |(a, b), f| (a.min(*f), b.max(*f)));
-    assert!(least >= 0.5 && least < 0.6 && most <= 1.5 && most > 1.4, "{least} {most}");
+    let (least, most) = factors
+        .iter()
+        .fold((2.0f32, 0.0f32), |(a, b), f| (a.min(*f), b.max(*f)));
+    assert!(
+        least >= 0.5 && least < 0.6 && most <= 1.5 && most > 1.4,
+        "{least} {most}"
+    );
 
     let rough = Chiang {
         roughness: VARIATION,
@@ -70,7 +73,8 @@ fn varied_fibres_are_those_of_the_roughness_that_it_comes_to() {
     .map(|shading| Evaluator::new(&mut device, &shading));
     for (strand, coordinate) in [(0, 0.0), (7, 0.0), (19, 0.5), (1234, 1.0)] {
         let scale = factor(strand, coordinate);
-        let name = |model| format!("{model}, strand {strand} at {coordinate}, {scale:.3} times as rough");
+        let name =
+            |model| format!("{model}, strand {strand} at {coordinate}, {scale:.3} times as rough");
         let truth = of_chiang(&Chiang {
             beta_m: (rough.beta_m * scale).clamp(1e-3, 1.0),
             beta_n: (rough.beta_n * scale).clamp(1e-3, 1.0),
@@ -85,9 +89,17 @@ fn varied_fibres_are_those_of_the_roughness_that_it_comes_to() {
             beta: smooth.beta.map(|beta| beta * scale),
             ..marschner::direct()
         });
-        let cases = own(strand, coordinate, &smooth.alpha.map(|a| 2.0 * f64::from(a)));
-        let error =
-            evaluators[1].worst(&name("marschner"), &Shading::Marschner(smooth), &cases, &truth);
+        let cases = own(
+            strand,
+            coordinate,
+            &smooth.alpha.map(|a| 2.0 * f64::from(a)),
+        );
+        let error = evaluators[1].worst(
+            &name("marschner"),
+            &Shading::Marschner(smooth),
+            &cases,
+            &truth,
+        );
         assert!(error <= USUAL, "{}: {error:e}", name("marschner"));
 
         let mut wide = sadeghi::plain();

@@ -71,7 +71,11 @@ fn no_direction_is_brighter_than_the_bound() {
         ..marschner::direct()
     };
     for model in [marschner::direct(), white, low] {
-        check("marschner", &Shading::Marschner(model), &of_marschner(&model));
+        check(
+            "marschner",
+            &Shading::Marschner(model),
+            &of_marschner(&model),
+        );
     }
     let model = sadeghi::plain();
     check("sadeghi", &Shading::Sadeghi(model), &of_sadeghi(&model));
@@ -84,7 +88,10 @@ fn check(name: &str, shading: &Shading, model: &impl FibreModel) {
         let bound = f64::from(testing::transmission_bound(shading, angle).unwrap());
         let found = greatest(model, angle);
         said += &format!(" {degrees}°: {found:.2e} of {bound:.2e};");
-        assert!(bound >= found, "{name} at {degrees}°: {found} above {bound}");
+        assert!(
+            bound >= found,
+            "{name} at {degrees}°: {found} above {bound}"
+        );
     }
     eprintln!("{name}:{said}");
 }
@@ -144,7 +151,7 @@ fn a_frame_changes_by_less_than_the_tolerance_and_not_at_all_with_light_behind()
         }),
     ];
     let irradiance = Vec3::splat(3.0);
-    let beside = unshadowed(DVec3::new(-0.8, -0.3, -0.6), irradiance);
+    let beside = unshadowed(DVec3::new(-1.0, -0.3, 0.1), irradiance);
     let behind = unshadowed(DVec3::new(0.1, -0.1, 1.0), irradiance);
     for shading in models {
         let name = shading.stem();
@@ -162,7 +169,7 @@ fn a_frame_changes_by_less_than_the_tolerance_and_not_at_all_with_light_behind()
         // The least power of two with which the lobe is left out from the side.
         let whole = picture(beside, 0.0);
         let mut left_out = None;
-        for power in -12..6 {
+        for power in -12..10 {
             let tolerance = 2f32.powi(power);
             let without = picture(beside, tolerance);
             let worst = (0..whole.pixels.len())
@@ -170,14 +177,23 @@ fn a_frame_changes_by_less_than_the_tolerance_and_not_at_all_with_light_behind()
                 .map(|(i, c)| (whole.pixels[i][c] - without.pixels[i][c]).abs())
                 .fold(0.0, f64::max);
             if worst > 0.0 {
-                eprintln!("{name}: left out from a tolerance of {tolerance} on, changes a pixel by {worst:.2e}");
-                assert!(worst <= f64::from(tolerance), "{name}: {worst} for {tolerance}");
+                eprintln!(
+                    "{name}: left out from a tolerance of {tolerance} on, changes a pixel by {worst:.2e}"
+                );
+                assert!(
+                    worst <= f64::from(tolerance),
+                    "{name}: {worst} for {tolerance}"
+                );
                 left_out = Some(tolerance);
                 break;
             }
         }
         let tolerance = left_out.unwrap_or_else(|| panic!("{name}: never left out"));
         let kept = picture(behind, tolerance);
-        assert_eq!(kept.pixels, picture(behind, 0.0).pixels, "{name}: light behind");
+        assert_eq!(
+            kept.pixels,
+            picture(behind, 0.0).pixels,
+            "{name}: light behind"
+        );
     }
 }

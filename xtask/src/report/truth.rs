@@ -205,7 +205,14 @@ impl Truth {
     pub fn nearest(&self, shading: &Shading, at_fragments: bool) -> Result<Image> {
         if at_fragments {
             let scatter = scatter(shading)?;
-            let colour = |fragment: &Fragment| self.radiance(&scatter, fragment);
+            let (eye, points, tangents) = (self.eye, &self.reference.points, &self.tangents);
+            let colour = |fragment: &Fragment| {
+                let (first, t) = (fragment.segment as usize, fragment.t);
+                let place = |values: &[DVec3]| values[first].lerp(values[first + 1], t);
+                let tangent = place(tangents).normalize_or(tangents[first]);
+                let to_eye = eye - place(points);
+                (IRRADIANCE * scatter(tangent, -LIGHT_DIRECTION, to_eye)).to_array()
+            };
             return Ok(composite::opaque(&self.lists, self.opacity, colour));
         }
         let mut shown = vec![false; self.reference.points.len()];
@@ -219,15 +226,6 @@ impl Truth {
             self.opacity,
             point_colours(&colours),
         ))
-    }
-
-    /// Radiance of a fragment, its position and tangent interpolated along its segment.
-    fn radiance(&self, scatter: &Scatter, fragment: &Fragment) -> [f64; 3] {
-        let (first, t) = (fragment.segment as usize, fragment.t);
-        let place = |values: &[DVec3]| values[first].lerp(values[first + 1], t);
-        let tangent = place(&self.tangents).normalize_or(self.tangents[first]);
-        let to_eye = self.eye - place(&self.reference.points);
-        (IRRADIANCE * scatter(tangent, -LIGHT_DIRECTION, to_eye)).to_array()
     }
 
     /// The picture of all fragments. All cases are shaded alike: the first model is the one that counts.
