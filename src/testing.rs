@@ -12,7 +12,7 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
+    ABuffer, DbkBuffer, Opaque, Storage, Transparency, a_buffer, dbk_buffer, opaque, resolve_module,
 };
 
 /// A module that the crate can build.
@@ -80,13 +80,16 @@ pub fn combinations() -> Vec<Combination> {
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
+        .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
-            modules.push((
-                format!("{} {rasteriser}", emission.label),
-                emission.module(rasteriser, 3),
-            ));
+            for rate in [ShadingRate::Point, ShadingRate::Fragment] {
+                modules.push((
+                    format!("{} {rasteriser}, shaded by {rate:?}", emission.label),
+                    emission.module(rasteriser, 3, rate),
+                ));
+            }
         }
     }
     let counted = Transparency::ABuffer(ABuffer::default());
@@ -94,11 +97,18 @@ pub fn combinations() -> Vec<Combination> {
         storage: Storage::Lists,
         ..Default::default()
     });
-    for (name, technique) in [
+    let by_shift = Transparency::DbkBuffer(DbkBuffer {
+        depth_shift: Some(1.0),
+        ..Default::default()
+    });
+    let techniques = [
         ("opaque", Transparency::Opaque(Opaque::default())),
         ("counted", counted),
         ("lists", lists),
-    ] {
+        ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
+        ("dbk_buffer by a shift", by_shift),
+    ];
+    for (name, technique) in techniques {
         modules.push((
             format!("composite {name}"),
             resolve_module(&technique, 3, None).and(&["common/fullscreen", "composite"]),
@@ -120,6 +130,9 @@ pub fn combinations() -> Vec<Combination> {
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
     ));
+    modules.push(("dbk_buffer depths".into(), dbk_buffer::depths_module()));
+    modules.push(("dbk_buffer drop".into(), dbk_buffer::drop_module()));
+    modules.push(("dbk_buffer pixels".into(), dbk_buffer::pixels_module()));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
@@ -133,10 +146,10 @@ pub fn combinations() -> Vec<Combination> {
             };
             let name = format!("{}, shadowed {shadowed}", model.stem());
             modules.push((format!("points {name}"), shader.points_module()));
-            for technique in [Transparency::Opaque(Opaque::default()), counted, lists] {
-                let module = resolve_module(&technique, 3, Some(&shader))
+            for (technique_name, technique) in &techniques {
+                let module = resolve_module(technique, 3, Some(&shader))
                     .and(&["common/fullscreen", "composite"]);
-                modules.push((format!("composite {name}, per fragment"), module));
+                modules.push((format!("composite {technique_name}, {name}"), module));
             }
         }
     }
@@ -238,7 +251,8 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, fibre_runs, padding_0, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
+            part_capacity, origin, cut_depth, depth_shift, fibre_runs, padding_0, padding_1, padding_2, lights, shadow_views,
         }
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }

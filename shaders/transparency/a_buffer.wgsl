@@ -206,6 +206,11 @@ fn resolve(pixel: vec2u) -> Resolved {
             transmittance *= through;
         }
     }
+    if transmittance > A_BUFFER_UNSEEN {
+        let beyond = resolve_beyond(number);
+        colour += transmittance * beyond.xyz;
+        transmittance *= beyond.w;
+    }
     result.colour = vec4f(colour, 1.0 - transmittance);
     return result;
 }
@@ -268,6 +273,6 @@ fn nearest(pixel: vec2u) -> Nearest {
             near.key = overflow[words + TAIL_FIRST_KEY];
         }
     }
-    near.opacity = 1.0 - transmittance;
+    near.opacity = 1.0 - transmittance * resolve_beyond(number).w;
     return near;
 }

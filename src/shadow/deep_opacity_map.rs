@@ -31,7 +31,6 @@ const FRONT: Emission = Emission {
     group: Group::MapsWritten,
     touch_only: true,
     downscale: 1,
-    variant: 0,
 };
 const LAYERS: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.layers",

@@ -49,7 +49,7 @@ fn varied_fibres_are_those_of_the_roughness_that_it_comes_to() {
         .iter()
         .fold((2.0f32, 0.0f32), |(a, b), f| (a.min(*f), b.max(*f)));
     assert!(
-        least >= 0.5 && least < 0.6 && most <= 1.5 && most > 1.4,
+        (0.5..0.6).contains(&least) && (1.4..=1.5).contains(&most),
         "{least} {most}"
     );
 
