@@ -17,6 +17,7 @@ pub(crate) enum Group {
     Frame,
     HostTiles,
     Project,
+    Order,
     Segments,
     Shade,
     Track,
@@ -31,10 +32,11 @@ pub(crate) enum Group {
     PixelsRead,
 }
 
-const GROUPS: [Group; 15] = [
+const GROUPS: [Group; 16] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
+    Group::Order,
     Group::Segments,
     Group::Shade,
     Group::Track,
@@ -58,6 +60,7 @@ impl Group {
             Self::Frame => 0,
             Self::HostTiles
             | Self::Project
+            | Self::Order
             | Self::Segments
             | Self::Shade
             | Self::Track
@@ -111,6 +114,9 @@ impl Group {
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
             Self::Project => (0..4)
                 .map(|binding| storage(binding, Stages::COMPUTE, binding != 2))
+                .collect(),
+            Self::Order => (0..3)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding == 0))
                 .collect(),
             Self::Segments => (0..2)
                 .map(|binding| storage(binding, raster | Stages::VERTEX, true))

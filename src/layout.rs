@@ -26,6 +26,8 @@ pub const MATERIAL_VECTORS: usize = 16;
 /// Vectors of a point, and of a run, in the pool of per-fragment shading; the same in WGSL.
 pub const FIBRE_POINT_VECTORS: u64 = 2;
 pub const FIBRE_RUN_VECTORS: u64 = 17;
+/// Keys by which segments are ordered; `ORDER_KEYS` in WGSL.
+pub const ORDER_KEYS: u64 = 2048;
 /// Pixels that one workgroup of the scan treats; `SCAN_BLOCK` in WGSL.
 pub const SCAN_BLOCK: u32 = 2048;
 

@@ -126,6 +126,7 @@ pub fn combinations() -> Vec<Combination> {
         "project".into(),
         Module::new(&["common/pixels", "common/project"]),
     ));
+    modules.push(("order".into(), Module::new(&["common/order"])));
     modules.push((
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
@@ -289,6 +290,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("MATERIAL_VECTORS", layout::MATERIAL_VECTORS as u32),
         ("FIBRE_POINT_VECTORS", layout::FIBRE_POINT_VECTORS as u32),
         ("FIBRE_RUN_VECTORS", layout::FIBRE_RUN_VECTORS as u32),
+        ("ORDER_KEYS", layout::ORDER_KEYS as u32),
     ]
 }
 
