@@ -135,6 +135,12 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Chiang et al. 2016, d'Eon et al. 2011.
 #define PELAGE_SHADING_CHIANG 4
 
+// At strand points, once a view; a fragment's colour is interpolated along its segment.
+#define PELAGE_SHADING_RATE_POINT 0
+
+// At each fragment that the transparency technique keeps, at its own position.
+#define PELAGE_SHADING_RATE_FRAGMENT 1
+
 // Of the exact exit angle.
 #define PELAGE_ROOTS_EXACT 0
 
@@ -571,6 +577,12 @@ typedef struct PelageMarschner {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
 } PelageMarschner;
 
 // One lobe of Sadeghi's model.
@@ -613,6 +625,12 @@ typedef struct PelageSadeghi {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
 } PelageSadeghi;
 
 // Chiang et al. 2016, d'Eon et al. 2011.
@@ -643,6 +661,15 @@ typedef struct PelageChiang {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
+    // 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
+    // the mean over their width.
+    uint32_t near_field;
 } PelageChiang;
 
 // A shading model with its parameters.
@@ -661,6 +688,10 @@ typedef struct PelageShading {
     const struct PelageSadeghi *sadeghi;
     // For `PELAGE_SHADING_CHIANG`; NULL: as `PELAGE_CHIANG_INIT`.
     const struct PelageChiang *chiang;
+    // `PELAGE_SHADING_RATE_...`; the same for all hairs of a frame.
+    uint32_t rate;
+    // 0.
+    uint32_t reserved;
 } PelageShading;
 
 // Settings of the deep opacity map.
@@ -1312,7 +1343,7 @@ PelageResult pelage_hair_rest(struct PelageHair hair);
 // Sets the fibres' own opacity, from 0 to 1.
 PelageResult pelage_hair_set_opacity(struct PelageHair hair, float opacity);
 
-// Sets a hair's shading model.
+// Sets a hair's shading model, and where it is evaluated.
 PelageResult pelage_hair_set_shading(struct PelageHair hair, const struct PelageShading *shading);
 
 // Sets the shadow technique that a hair wishes for lights that name none; NULL: no wish. Where no hair has one, lights

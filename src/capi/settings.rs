@@ -9,8 +9,8 @@ use crate::error::{Result, invalid};
 use crate::raster::Raster;
 use crate::shading::{
     CausticRemoval, Chiang, DualScattering, HairColour, Highlight, KajiyaKay, LobeControls,
-    Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables, sigma_a_from_melanin,
-    sigma_a_from_reflectance,
+    Marschner, Precision, Roots, RoughnessVariation, Sadeghi, Scheuermann, Shading, ShadingRate,
+    Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
 };
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
@@ -26,6 +26,11 @@ pub const PELAGE_SHADING_MARSCHNER: u32 = 2;
 pub const PELAGE_SHADING_SADEGHI: u32 = 3;
 /// Chiang et al. 2016, d'Eon et al. 2011.
 pub const PELAGE_SHADING_CHIANG: u32 = 4;
+
+/// At strand points, once a view; a fragment's colour is interpolated along its segment.
+pub const PELAGE_SHADING_RATE_POINT: u32 = 0;
+/// At each fragment that the transparency technique keeps, at its own position.
+pub const PELAGE_SHADING_RATE_FRAGMENT: u32 = 1;
 
 /// Of the exact exit angle.
 pub const PELAGE_ROOTS_EXACT: u32 = 0;
@@ -207,6 +212,12 @@ pub struct PelageMarschner {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
 }
 
 impl Default for PelageMarschner {
@@ -234,11 +245,14 @@ impl Default for PelageMarschner {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
         }
     }
 }
 
-descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", backward_density: f32);
+descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", lobe_tolerance: f32);
 
 /// One lobe of Sadeghi's model.
 #[repr(C)]
@@ -304,6 +318,12 @@ pub struct PelageSadeghi {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
 }
 
 impl Default for PelageSadeghi {
@@ -324,11 +344,14 @@ impl Default for PelageSadeghi {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
         }
     }
 }
 
-descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", backward_density: f32);
+descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", lobe_tolerance: f32);
 
 /// Chiang et al. 2016, d'Eon et al. 2011.
 #[repr(C)]
@@ -360,6 +383,15 @@ pub struct PelageChiang {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
+    /// 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
+    /// the mean over their width.
+    pub near_field: u32,
 }
 
 impl Default for PelageChiang {
@@ -381,11 +413,15 @@ impl Default for PelageChiang {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
+            near_field: u32::from(model.near_field),
         }
     }
 }
 
-descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", backward_density: f32);
+descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", near_field: u32);
 
 /// A shading model with its parameters.
 #[repr(C)]
@@ -405,6 +441,10 @@ pub struct PelageShading {
     pub sadeghi: *const PelageSadeghi,
     /// For `PELAGE_SHADING_CHIANG`; NULL: as `PELAGE_CHIANG_INIT`.
     pub chiang: *const PelageChiang,
+    /// `PELAGE_SHADING_RATE_…`; the same for all hairs of a frame.
+    pub rate: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 impl Default for PelageShading {
@@ -417,11 +457,13 @@ impl Default for PelageShading {
             marschner: null(),
             sadeghi: null(),
             chiang: null(),
+            rate: PELAGE_SHADING_RATE_POINT,
+            reserved: 0,
         }
     }
 }
 
-descriptor!(PelageShading, "PELAGE_SHADING_INIT", chiang: *const PelageChiang);
+descriptor!(PelageShading, "PELAGE_SHADING_INIT", reserved: u32);
 
 /// Settings of the deep opacity map.
 #[repr(C)]
@@ -672,6 +714,11 @@ fn marschner(given: &PelageMarschner) -> Result<Marschner> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
     })
 }
 
@@ -691,6 +738,11 @@ fn sadeghi(given: &PelageSadeghi) -> Result<Sadeghi> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
     })
 }
 
@@ -709,6 +761,12 @@ fn chiang(given: &PelageChiang) -> Result<Chiang> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
+        near_field: switch("near_field", given.near_field)?,
     })
 }
 
@@ -779,10 +837,19 @@ pub unsafe extern "C" fn pelage_sigma_a_of(colour: u32, sigma_a: *mut f32) -> Pe
     })
 }
 
-/// A validated shading model.
-pub(super) unsafe fn shading(name: &str, pointer: *const PelageShading) -> Result<Shading> {
+/// A validated shading model, and where it is evaluated.
+pub(super) unsafe fn shading(
+    name: &str,
+    pointer: *const PelageShading,
+) -> Result<(Shading, ShadingRate)> {
     // SAFETY: the rule of the module `capi`.
     let given = unsafe { descriptor::read(name, pointer) }?;
+    reserved("PelageShading", given.reserved)?;
+    let rate = match given.rate {
+        PELAGE_SHADING_RATE_POINT => ShadingRate::Point,
+        PELAGE_SHADING_RATE_FRAGMENT => ShadingRate::Fragment,
+        unknown => return invalid!("{name}: rate {unknown} is not one of PELAGE_SHADING_RATE_…"),
+    };
     let shading = match given.model {
         PELAGE_SHADING_KAJIYA_KAY => {
             // SAFETY: the rule of the module `capi`.
@@ -819,7 +886,7 @@ pub(super) unsafe fn shading(name: &str, pointer: *const PelageShading) -> Resul
         }
         unknown => return invalid!("{name}: model {unknown} is not one of PELAGE_SHADING_…"),
     };
-    shading.validate().map(|()| shading)
+    shading.validate().map(|()| (shading, rate))
 }
 
 /// A validated shadow technique; `None` for NULL.

@@ -6,7 +6,8 @@ use pelage::Raster;
 use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
 use pelage::shading::{
-    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
+    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, ShadingRate,
+    Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
@@ -87,6 +88,8 @@ pub struct Case {
     pub shadow: Shadow,
     /// The transparency technique.
     pub transparency: Transparency,
+    /// Where the model is evaluated, in cases that compare rates: their truth is shaded at fragments.
+    pub rate: Option<ShadingRate>,
     /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
     pub pool: Option<f64>,
 }
@@ -112,6 +115,9 @@ impl Case {
             map.shift_remove("technique");
             map.shift_remove("model");
             map.retain(|_, value| !value.is_null());
+            if let Some(rate) = self.rate {
+                map.insert("rate".into(), techniques::rate_setting(rate));
+            }
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
             }
@@ -194,6 +200,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
         shading: white(0.09, 60.0),
         shadow: Shadow::None,
         transparency: Transparency::Opaque(Opaque::default()),
+        rate: None,
         pool: None,
     };
     let mut cases = Vec::new();
@@ -207,6 +214,19 @@ pub fn cases(quick: bool) -> Vec<Case> {
         shading,
         ..base.clone()
     }));
+    for shading in [
+        white(0.09, 60.0),
+        Shading::Marschner(Marschner::default()),
+        Shading::Chiang(Chiang::default()),
+    ] {
+        cases.extend(
+            [ShadingRate::Point, ShadingRate::Fragment].map(|rate| Case {
+                shading,
+                rate: Some(rate),
+                ..base.clone()
+            }),
+        );
+    }
     let resolutions: &[u32] = if quick {
         &[256, 512]
     } else {
