@@ -30,6 +30,7 @@ files![
     "shading/fibre_type",
     "shading/fibre",
     "shading/tables",
+    "shading/evaluate",
     "shading/kajiya_kay",
     "shading/scheuermann",
     "shading/marschner",

@@ -7,7 +7,7 @@ use std::mem::offset_of;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
-    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, points_module, tables,
+    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, evaluator, points_module, tables,
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
@@ -38,11 +38,6 @@ pub fn shading_source(shading: &Shading) -> String {
         .and(shading.points().1)
         .join()
         .source
-}
-
-/// The pass that fills a model's tables, entry `shading_tabulate`; groups 0 (binding 2: material) and 1 (binding 0: tables).
-pub fn tables_source(shading: &Shading) -> String {
-    tables::module(shading.points().1).join().source
 }
 
 /// The tables of one model as a frame would place them: the place, the words that the host writes, and how many there are.
@@ -106,6 +101,10 @@ pub fn combinations() -> Vec<Combination> {
             let name = format!("points {}, shadowed {shadowed}", model.stem());
             modules.push((name, points_module(shadowed, model.points().1)));
         }
+    }
+    for model in models() {
+        let name = format!("evaluate {}", model.stem());
+        modules.push((name, evaluator::module(model.points().1)));
     }
     for model in models().iter().filter(|model| model.tables().is_some()) {
         let name = format!("tables {}", model.stem());
@@ -207,6 +206,7 @@ pub fn layouts() -> Vec<Layout> {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
         }
         Material { values }
+        Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
         Gather {

@@ -114,6 +114,20 @@ struct Material {
     values: array<vec4f, 16>,
 }
 
+// A fibre and the ways to light and eye, of unit length, at which a model is evaluated by itself.
+struct Sample {
+    tangent: vec3f,
+    // Root-to-tip coordinate.
+    coordinate: f32,
+    to_light: vec3f,
+    // Of the light that comes straight, and how many fibres are towards it.
+    transmittance: f32,
+    to_eye: vec3f,
+    fibres: f32,
+    colour: vec3f,
+    strand: u32,
+}
+
 // Counters of a frame, read back by the host some frames later.
 struct Counters {
     produced: atomic<u32>,

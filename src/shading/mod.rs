@@ -5,6 +5,7 @@
 
 mod angles;
 pub mod chiang;
+pub mod evaluator;
 pub mod fibre;
 pub mod kajiya_kay;
 pub mod marschner;
@@ -13,6 +14,7 @@ pub mod scheuermann;
 pub(crate) mod tables;
 
 pub use chiang::Chiang;
+pub use evaluator::{Evaluator, Sample};
 pub use fibre::{
     DualScattering, HairColour, Precision, Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
 };

@@ -155,6 +155,16 @@ pub(crate) fn module(files: &[&'static str]) -> Module {
     Module::new(&["shadow/none", "shading/fibre_type", "shading/tables"]).and(files)
 }
 
+/// Entries of a model's tables: one table, or with dual scattering two.
+pub(crate) fn entries(shading: &Shading) -> u32 {
+    let tables = if shading.dual_scattering().is_some() {
+        2
+    } else {
+        1
+    };
+    shading.tables().map_or(0, |t| tables * t.size * t.size)
+}
+
 /// Fills the tables that the GPU makes, where that has not been done.
 pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
     let Some(group) = bound.tables else {
@@ -163,7 +173,7 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
     let mut done: Vec<Shading> = Vec::new();
     for run in &plan.runs {
         let shading = plan.shadings[run.hair];
-        let (Some(tables), Some(label)) = (shading.tables(), shading.tables_label()) else {
+        let (Some(_), Some(label)) = (shading.tables(), shading.tables_label()) else {
             continue;
         };
         if done.contains(&shading) {
@@ -176,12 +186,7 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
             &[Group::Frame, Group::TablesWritten],
             || module(files),
         )?;
-        let entries = tables.size * tables.size;
-        let count = if shading.dual_scattering().is_some() {
-            2 * entries
-        } else {
-            entries
-        };
+        let count = entries(&shading);
         passes.compute(label, |pass| {
             pass.set_pipeline(&pipeline);
             pass.set_bind_group(0, bound.frame, &[0, 0, run.material]);

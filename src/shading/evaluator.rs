@@ -1,0 +1,339 @@
+//! A shading model at single directions, found by the very shader that frames use: to draw its lobes, to fit its
+//! parameters, to measure it. See `shaders/shading/evaluate.wgsl`.
+
+use std::num::NonZeroU64;
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use glam::Vec3;
+
+use super::{Shading, tables};
+use crate::error::{Error, Result, invalid};
+use crate::gpu::{Allocation, Gpu, workgroups};
+use crate::layout;
+use crate::shader::Module;
+
+/// A point of a strand, and where light and eye are seen from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// From root to tip, unit length.
+    pub tangent: Vec3,
+    /// Towards the light, unit length.
+    pub to_light: Vec3,
+    /// Towards the eye, unit length.
+    pub to_eye: Vec3,
+    /// The strand's colour factor, linear RGB.
+    pub colour: Vec3,
+    /// 0 at the root, 1 at the tip.
+    pub coordinate: f32,
+    /// The strand's number, by which it has its own glints.
+    pub strand: u32,
+    /// The part of the light that comes straight, 0 to 1.
+    pub transmittance: f32,
+    /// Fibres towards the light, not negative: for dual scattering.
+    pub fibres: f32,
+}
+
+impl Sample {
+    /// A lit white fibre; the vectors as in the fields.
+    pub fn lit(tangent: Vec3, to_light: Vec3, to_eye: Vec3) -> Self {
+        Self {
+            tangent,
+            to_light,
+            to_eye,
+            colour: Vec3::ONE,
+            coordinate: 0.0,
+            strand: 0,
+            transmittance: 1.0,
+            fibres: 0.0,
+        }
+    }
+
+    fn layout(&self) -> layout::Sample {
+        layout::Sample {
+            tangent: self.tangent.into(),
+            coordinate: self.coordinate,
+            to_light: self.to_light.into(),
+            transmittance: self.transmittance,
+            to_eye: self.to_eye.into(),
+            fibres: self.fibres,
+            colour: self.colour.into(),
+            strand: self.strand,
+        }
+    }
+}
+
+/// Evaluates one shading model, with any parameters, on a device of the host. Every call waits for the device.
+pub struct Evaluator {
+    gpu: Gpu,
+    stem: &'static str,
+    scatter: wgpu::ComputePipeline,
+    uniform: wgpu::ComputePipeline,
+    /// Fills tables; `None` for models that have none.
+    tabulate: Option<wgpu::ComputePipeline>,
+    reads_tables: bool,
+}
+
+/// The module that evaluates a model.
+pub(crate) fn module(files: &[&'static str]) -> Module {
+    Module::new(&["shadow/none", "shading/fibre_type", "shading/evaluate"]).and(files)
+}
+
+/// What one call binds.
+struct Batch {
+    groups: [wgpu::BindGroup; 2],
+    values: Allocation,
+    count: u32,
+}
+
+impl Evaluator {
+    /// Makes the pipelines of a model.
+    ///
+    /// # Errors
+    /// A device that [`crate::Renderer::new`] would not take either.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, model: &Shading) -> Result<Self> {
+        let gpu = Gpu::new(device, queue)?;
+        let (_, files) = model.points();
+        let pipeline = |label: &str, entry: &str, module: &Module| {
+            let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(label),
+                layout: None,
+                module: &crate::host::shader_module(device, label, module.join().source),
+                entry_point: Some(entry),
+                compilation_options: Default::default(),
+                cache: None,
+            });
+            match pollster::block_on(scope.pop()) {
+                Some(error) => Err(Error::Internal(format!("pipeline {label}: {error}"))),
+                None => Ok(pipeline),
+            }
+        };
+        let evaluate = module(files);
+        let tabulate = match model.tables_label() {
+            Some(label) => {
+                let module = tables::module(files);
+                Some(pipeline(label, "shading_tabulate", &module)?)
+            }
+            None => None,
+        };
+        Ok(Self {
+            scatter: pipeline(
+                "pelage.shading.evaluate.scatter",
+                "evaluate_scatter",
+                &evaluate,
+            )?,
+            uniform: pipeline(
+                "pelage.shading.evaluate.uniform",
+                "evaluate_uniform",
+                &evaluate,
+            )?,
+            tabulate,
+            reads_tables: files.contains(&"shading/fibre"),
+            stem: model.stem(),
+            gpu,
+        })
+    }
+
+    /// The model times the cosine, per steradian: radiance towards the eye for a unit of irradiance on a plane that faces the
+    /// light, one value a sample.
+    ///
+    /// # Errors
+    /// Another model than the evaluator's; a parameter out of range; no samples, or more than the device binds (64 bytes
+    /// each); no memory; a lost device.
+    pub fn scatter(&self, model: &Shading, samples: &[Sample]) -> Result<Vec<Vec3>> {
+        self.run(&self.scatter, model, samples)
+    }
+
+    /// Radiance towards the eye under uniform light of radiance 1 from everywhere; of a sample the light is not read.
+    ///
+    /// # Errors
+    /// As [`Evaluator::scatter`].
+    pub fn uniform(&self, model: &Shading, samples: &[Sample]) -> Result<Vec<Vec3>> {
+        self.run(&self.uniform, model, samples)
+    }
+
+    /// Wall clock of as many evaluations of all samples by [`Evaluator::scatter`]'s shader, each submitted alone and waited
+    /// for, after one that is not counted. Reading and writing a sample's 80 bytes is part of it; making tables is not.
+    ///
+    /// # Errors
+    /// As [`Evaluator::scatter`].
+    pub fn times(
+        &self,
+        model: &Shading,
+        samples: &[Sample],
+        repeats: usize,
+    ) -> Result<Vec<Duration>> {
+        let batch = self.prepare(&self.scatter, model, samples)?;
+        let once = || {
+            let start = Instant::now();
+            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            dispatch(&mut encoder, &self.scatter, &batch.groups, batch.count);
+            self.submit(encoder)?;
+            Ok(start.elapsed())
+        };
+        once()?;
+        (0..repeats).map(|_| once()).collect()
+    }
+
+    fn run(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        model: &Shading,
+        samples: &[Sample],
+    ) -> Result<Vec<Vec3>> {
+        let batch = self.prepare(pipeline, model, samples)?;
+        let size = u64::from(batch.count) * 16;
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let returned = self.gpu.allocate("pelage.shading.returned", size, usage)?;
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        dispatch(&mut encoder, pipeline, &batch.groups, batch.count);
+        encoder.copy_buffer_to_buffer(&batch.values.buffer, 0, &returned.buffer, 0, Some(size));
+        let (sender, receiver) = mpsc::channel();
+        encoder.map_buffer_on_submit(
+            &returned.buffer,
+            wgpu::MapMode::Read,
+            ..size,
+            move |result| {
+                sender.send(result).ok();
+            },
+        );
+        self.submit(encoder)?;
+        let lost = |error: String| Error::DeviceLost(format!("reading a model's values: {error}"));
+        receiver
+            .recv()
+            .map_err(|error| lost(error.to_string()))?
+            .map_err(|error| lost(error.to_string()))?;
+        let view = returned
+            .buffer
+            .get_mapped_range(..size)
+            .map_err(|error| lost(error.to_string()))?;
+        let values: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&view);
+        Ok(values
+            .into_iter()
+            .map(|[x, y, z, _]| Vec3::new(x, y, z))
+            .collect())
+    }
+
+    /// Uploads samples and parameters, and makes the tables.
+    fn prepare(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        model: &Shading,
+        samples: &[Sample],
+    ) -> Result<Batch> {
+        model.validate()?;
+        if model.stem() != self.stem {
+            return invalid!(
+                "the evaluator is of {}, the model is {}",
+                self.stem,
+                model.stem()
+            );
+        }
+        let most = self.gpu.max_binding() / size_of::<layout::Sample>() as u64;
+        if samples.is_empty() || samples.len() as u64 > most {
+            return invalid!("{} samples are not between 1 and {most}", samples.len());
+        }
+        let count = samples.len() as u32;
+
+        let (places, words, size) = tables::lay_out(&[*model], true);
+        let mut material = model.material();
+        material.values[15] = places[0].map(f32::from_bits);
+        let material = self
+            .gpu
+            .uniform("pelage.shading.material", bytemuck::bytes_of(&material))?;
+        let table = self.gpu.storage("pelage.shading.tables", size * 4)?;
+        self.gpu
+            .queue
+            .write_buffer(&table.buffer, 0, bytemuck::cast_slice(&words));
+        let samples: Vec<_> = samples.iter().map(Sample::layout).collect();
+        let samples = self
+            .gpu
+            .filled("pelage.shading.samples", bytemuck::cast_slice(&samples))?;
+        let values = self
+            .gpu
+            .storage("pelage.shading.values", u64::from(count) * 16)?;
+
+        let entry = |binding, buffer| (binding, whole(buffer, None));
+        // The exact size: the shader asks for the array's length.
+        let bytes = u64::from(count) * size_of::<layout::Sample>() as u64;
+        let mut entries = vec![
+            (0, whole(&samples.buffer, NonZeroU64::new(bytes))),
+            entry(1, &values.buffer),
+        ];
+        if self.reads_tables {
+            entries.push(entry(2, &table.buffer));
+        }
+        let groups = [
+            self.group(pipeline, 0, &[entry(2, &material.buffer)]),
+            self.group(pipeline, 1, &entries),
+        ];
+        if let Some(tabulate) = self.tabulate.as_ref().filter(|_| model.tables().is_some()) {
+            let groups = [
+                self.group(tabulate, 0, &[entry(2, &material.buffer)]),
+                self.group(tabulate, 1, &[entry(0, &table.buffer)]),
+            ];
+            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+            dispatch(&mut encoder, tabulate, &groups, tables::entries(model));
+            self.submit(encoder)?;
+        }
+        Ok(Batch {
+            groups,
+            values,
+            count,
+        })
+    }
+
+    fn group(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        index: u32,
+        entries: &[(u32, wgpu::BufferBinding)],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = entries
+            .iter()
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding: *binding,
+                resource: wgpu::BindingResource::Buffer(buffer.clone()),
+            })
+            .collect();
+        let device = &self.gpu.device;
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("pelage.shading.evaluate"),
+            layout: &pipeline.get_bind_group_layout(index),
+            entries: &entries,
+        })
+    }
+
+    /// Submits and waits.
+    fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
+        self.gpu.queue.submit([encoder.finish()]);
+        let waited = self.gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        waited
+            .map(|_| ())
+            .map_err(|error| Error::DeviceLost(error.to_string()))
+    }
+}
+
+fn whole(buffer: &wgpu::Buffer, size: Option<NonZeroU64>) -> wgpu::BufferBinding<'_> {
+    wgpu::BufferBinding {
+        buffer,
+        offset: 0,
+        size,
+    }
+}
+
+fn dispatch(
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::ComputePipeline,
+    groups: &[wgpu::BindGroup; 2],
+    count: u32,
+) {
+    let mut pass = encoder.begin_compute_pass(&Default::default());
+    pass.set_pipeline(pipeline);
+    for (index, group) in groups.iter().enumerate() {
+        pass.set_bind_group(index as u32, group, &[]);
+    }
+    let (x, y) = workgroups(count);
+    pass.dispatch_workgroups(x, y, 1);
+}
