@@ -7,7 +7,8 @@ use std::mem::offset_of;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
-    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, evaluator, points_module, tables,
+    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
+    Tables, evaluator, points_module, tables,
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
@@ -32,12 +33,45 @@ pub fn models() -> [Shading; 5] {
     ]
 }
 
+/// Every model with each of its settings that has shaders of its own.
+fn variants() -> Vec<Shading> {
+    let mut variants = models().to_vec();
+    let dual_scattering = Some(DualScattering::default());
+    let marschner = Marschner {
+        dual_scattering,
+        tables: None,
+        ..Marschner::default()
+    };
+    for roots in [Roots::Exact, Roots::Cubic] {
+        for eccentricity in [1.0, 0.9] {
+            variants.push(Shading::Marschner(Marschner {
+                roots,
+                eccentricity,
+                ..marschner
+            }));
+        }
+    }
+    variants.push(Shading::Sadeghi(Sadeghi {
+        dual_scattering,
+        ..Sadeghi::default()
+    }));
+    for precision in [None, Some(Precision::F32), Some(Precision::F16)] {
+        variants.push(Shading::Chiang(Chiang {
+            dual_scattering,
+            tables: precision.map(|precision| Tables {
+                precision,
+                ..Tables::default()
+            }),
+            ..Chiang::default()
+        }));
+    }
+    variants
+}
+
 /// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
 pub fn shading_source(shading: &Shading) -> String {
-    Module::new(&["shadow/none", "shading/fibre_type"])
-        .and(shading.points().1)
-        .join()
-        .source
+    let files = ["shadow/none", "shading/fibre_type"];
+    shading.module(&files).join().source
 }
 
 /// The tables of one model as a frame would place them: the place, the words that the host writes, and how many there are.
@@ -97,18 +131,22 @@ pub fn combinations() -> Vec<Combination> {
         modules.push((format!("scan, again {again}"), module));
     }
     for shadowed in [false, true] {
-        for model in models() {
-            let name = format!("points {}, shadowed {shadowed}", model.stem());
-            modules.push((name, points_module(shadowed, model.points().1)));
+        for model in variants() {
+            let name = format!(
+                "points {}, {:b}, shadowed {shadowed}",
+                model.stem(),
+                model.variant()
+            );
+            modules.push((name, points_module(shadowed, &model)));
         }
     }
-    for model in models() {
-        let name = format!("evaluate {}", model.stem());
-        modules.push((name, evaluator::module(model.points().1)));
+    for model in variants() {
+        let name = format!("evaluate {}, {:b}", model.stem(), model.variant());
+        modules.push((name, evaluator::module(&model)));
     }
-    for model in models().iter().filter(|model| model.tables().is_some()) {
-        let name = format!("tables {}", model.stem());
-        modules.push((name, tables::module(model.points().1)));
+    for model in variants().iter().filter(|model| model.tables().is_some()) {
+        let name = format!("tables {}, {:b}", model.stem(), model.variant());
+        modules.push((name, tables::module(model)));
     }
     modules.push(("track".into(), Module::new(&["common/track"])));
     for stem in [

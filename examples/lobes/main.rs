@@ -27,8 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&folder)?;
     let offscreen = Offscreen::new(&OffscreenOptions::default())?;
     let (device, queue) = (offscreen.renderer.device(), offscreen.renderer.queue());
+    let evaluator = Evaluator::new(device, queue)?;
     for model in lobes::models() {
-        let evaluator = Evaluator::new(device, queue, &model.shading)?;
         let [around, along] = [lobes::around(), lobes::along()];
         let rows = [
             lobes::curves(&evaluator, &model, &around)?,

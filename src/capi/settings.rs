@@ -205,6 +205,8 @@ pub struct PelageMarschner {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageMarschner {
@@ -232,11 +234,12 @@ impl Default for PelageMarschner {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", backward_density: f32);
+descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", disorder: f32);
 
 /// One lobe of Sadeghi's model.
 #[repr(C)]
@@ -302,6 +305,8 @@ pub struct PelageSadeghi {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageSadeghi {
@@ -322,11 +327,12 @@ impl Default for PelageSadeghi {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", backward_density: f32);
+descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", disorder: f32);
 
 /// Chiang et al. 2016, d'Eon et al. 2011.
 #[repr(C)]
@@ -358,6 +364,8 @@ pub struct PelageChiang {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageChiang {
@@ -379,11 +387,12 @@ impl Default for PelageChiang {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", backward_density: f32);
+descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", disorder: f32);
 
 /// A shading model with its parameters.
 #[repr(C)]
@@ -607,8 +616,8 @@ fn switch(name: &str, value: u32) -> Result<bool> {
     }
 }
 
-fn dual_scattering(on: u32, forward: f32, backward: f32) -> Result<Option<DualScattering>> {
-    Ok(switch("dual_scattering", on)?.then_some(DualScattering { forward, backward }))
+fn dual_scattering(on: u32, dual: DualScattering) -> Result<Option<DualScattering>> {
+    Ok(switch("dual_scattering", on)?.then_some(dual))
 }
 
 fn marschner(given: &PelageMarschner) -> Result<Marschner> {
@@ -633,8 +642,11 @@ fn marschner(given: &PelageMarschner) -> Result<Marschner> {
         tables: tables(given.table_size, given.table_precision)?,
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
     })
 }
@@ -652,8 +664,11 @@ fn sadeghi(given: &PelageSadeghi) -> Result<Sadeghi> {
         tip_colour: given.tip_colour.into(),
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
     })
 }
@@ -670,8 +685,11 @@ fn chiang(given: &PelageChiang) -> Result<Chiang> {
         tables: tables(given.table_size, given.table_precision)?,
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
     })
 }

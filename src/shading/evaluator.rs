@@ -1,6 +1,8 @@
 //! A shading model at single directions, found by the very shader that frames use: to draw its lobes, to fit its
 //! parameters, to measure it. See `shaders/shading/evaluate.wgsl`.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::num::NonZeroU64;
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
@@ -63,86 +65,92 @@ impl Sample {
     }
 }
 
-/// Evaluates one shading model, with any parameters, on a device of the host. Every call waits for the device.
+/// Evaluates shading models on a device of the host. Pipelines are made at their first use and kept. Every call waits for the
+/// device.
 pub struct Evaluator {
     gpu: Gpu,
-    stem: &'static str,
-    scatter: wgpu::ComputePipeline,
-    uniform: wgpu::ComputePipeline,
-    /// Fills tables; `None` for models that have none.
-    tabulate: Option<wgpu::ComputePipeline>,
-    reads_tables: bool,
+    pipelines: RefCell<HashMap<(Entry, &'static str, u32), wgpu::ComputePipeline>>,
+}
+
+/// An entry point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Entry {
+    Scatter,
+    Uniform,
+    Tabulate,
+}
+
+impl Entry {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Scatter => "evaluate_scatter",
+            Self::Uniform => "evaluate_uniform",
+            Self::Tabulate => "shading_tabulate",
+        }
+    }
 }
 
 /// The module that evaluates a model.
-pub(crate) fn module(files: &[&'static str]) -> Module {
-    Module::new(&["shadow/none", "shading/fibre_type", "shading/evaluate"]).and(files)
+pub(crate) fn module(model: &Shading) -> Module {
+    model.module(&["shadow/none", "shading/fibre_type", "shading/evaluate"])
 }
 
 /// What one call binds.
 struct Batch {
+    pipeline: wgpu::ComputePipeline,
     groups: [wgpu::BindGroup; 2],
     values: Allocation,
     count: u32,
 }
 
 impl Evaluator {
-    /// Makes the pipelines of a model.
+    /// An evaluator on a device.
     ///
     /// # Errors
     /// A device that [`crate::Renderer::new`] would not take either.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, model: &Shading) -> Result<Self> {
-        let gpu = Gpu::new(device, queue)?;
-        let (_, files) = model.points();
-        let pipeline = |label: &str, entry: &str, module: &Module| {
-            let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-            let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(label),
-                layout: None,
-                module: &crate::host::shader_module(device, label, module.join().source),
-                entry_point: Some(entry),
-                compilation_options: Default::default(),
-                cache: None,
-            });
-            match pollster::block_on(scope.pop()) {
-                Some(error) => Err(Error::Internal(format!("pipeline {label}: {error}"))),
-                None => Ok(pipeline),
-            }
-        };
-        let evaluate = module(files);
-        let tabulate = match model.tables_label() {
-            Some(label) => {
-                let module = tables::module(files);
-                Some(pipeline(label, "shading_tabulate", &module)?)
-            }
-            None => None,
-        };
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         Ok(Self {
-            scatter: pipeline(
-                "pelage.shading.evaluate.scatter",
-                "evaluate_scatter",
-                &evaluate,
-            )?,
-            uniform: pipeline(
-                "pelage.shading.evaluate.uniform",
-                "evaluate_uniform",
-                &evaluate,
-            )?,
-            tabulate,
-            reads_tables: files.contains(&"shading/fibre"),
-            stem: model.stem(),
-            gpu,
+            gpu: Gpu::new(device, queue)?,
+            pipelines: RefCell::default(),
         })
+    }
+
+    /// The pipeline of an entry point for a model's settings.
+    fn pipeline(&self, entry: Entry, model: &Shading) -> Result<wgpu::ComputePipeline> {
+        let key = (entry, model.stem(), model.variant());
+        if let Some(pipeline) = self.pipelines.borrow().get(&key) {
+            return Ok(pipeline.clone());
+        }
+        let module = match entry {
+            Entry::Tabulate => tables::module(model),
+            Entry::Scatter | Entry::Uniform => module(model),
+        };
+        let device = &self.gpu.device;
+        let label = format!("pelage.shading.{}.{}", model.stem(), entry.name());
+        let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: None,
+            module: &crate::host::shader_module(device, &label, module.join().source),
+            entry_point: Some(entry.name()),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            return Err(Error::Internal(format!("pipeline {label}: {error}")));
+        }
+        self.pipelines.borrow_mut().insert(key, pipeline.clone());
+        Ok(pipeline)
     }
 
     /// The model times the cosine, per steradian: radiance towards the eye for a unit of irradiance on a plane that faces the
     /// light, one value a sample.
     ///
     /// # Errors
-    /// Another model than the evaluator's; a parameter out of range; no samples, or more than the device binds (64 bytes
+    /// A parameter out of range; no samples, or more than the device binds (64 bytes
     /// each); no memory; a lost device.
     pub fn scatter(&self, model: &Shading, samples: &[Sample]) -> Result<Vec<Vec3>> {
-        self.run(&self.scatter, model, samples)
+        self.run(Entry::Scatter, model, samples)
     }
 
     /// Radiance towards the eye under uniform light of radiance 1 from everywhere; of a sample the light is not read.
@@ -150,7 +158,7 @@ impl Evaluator {
     /// # Errors
     /// As [`Evaluator::scatter`].
     pub fn uniform(&self, model: &Shading, samples: &[Sample]) -> Result<Vec<Vec3>> {
-        self.run(&self.uniform, model, samples)
+        self.run(Entry::Uniform, model, samples)
     }
 
     /// Wall clock of as many evaluations of all samples by [`Evaluator::scatter`]'s shader, each submitted alone and waited
@@ -164,11 +172,11 @@ impl Evaluator {
         samples: &[Sample],
         repeats: usize,
     ) -> Result<Vec<Duration>> {
-        let batch = self.prepare(&self.scatter, model, samples)?;
+        let batch = self.prepare(Entry::Scatter, model, samples)?;
         let once = || {
             let start = Instant::now();
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            dispatch(&mut encoder, &self.scatter, &batch.groups, batch.count);
+            dispatch(&mut encoder, &batch);
             self.submit(encoder)?;
             Ok(start.elapsed())
         };
@@ -176,18 +184,13 @@ impl Evaluator {
         (0..repeats).map(|_| once()).collect()
     }
 
-    fn run(
-        &self,
-        pipeline: &wgpu::ComputePipeline,
-        model: &Shading,
-        samples: &[Sample],
-    ) -> Result<Vec<Vec3>> {
-        let batch = self.prepare(pipeline, model, samples)?;
+    fn run(&self, entry: Entry, model: &Shading, samples: &[Sample]) -> Result<Vec<Vec3>> {
+        let batch = self.prepare(entry, model, samples)?;
         let size = u64::from(batch.count) * 16;
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let returned = self.gpu.allocate("pelage.shading.returned", size, usage)?;
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-        dispatch(&mut encoder, pipeline, &batch.groups, batch.count);
+        dispatch(&mut encoder, &batch);
         encoder.copy_buffer_to_buffer(&batch.values.buffer, 0, &returned.buffer, 0, Some(size));
         let (sender, receiver) = mpsc::channel();
         encoder.map_buffer_on_submit(
@@ -216,20 +219,8 @@ impl Evaluator {
     }
 
     /// Uploads samples and parameters, and makes the tables.
-    fn prepare(
-        &self,
-        pipeline: &wgpu::ComputePipeline,
-        model: &Shading,
-        samples: &[Sample],
-    ) -> Result<Batch> {
+    fn prepare(&self, entry: Entry, model: &Shading, samples: &[Sample]) -> Result<Batch> {
         model.validate()?;
-        if model.stem() != self.stem {
-            return invalid!(
-                "the evaluator is of {}, the model is {}",
-                self.stem,
-                model.stem()
-            );
-        }
         let most = self.gpu.max_binding() / size_of::<layout::Sample>() as u64;
         if samples.is_empty() || samples.len() as u64 > most {
             return invalid!("{} samples are not between 1 and {most}", samples.len());
@@ -254,30 +245,39 @@ impl Evaluator {
             .gpu
             .storage("pelage.shading.values", u64::from(count) * 16)?;
 
-        let entry = |binding, buffer| (binding, whole(buffer, None));
+        let bind = |binding, buffer| (binding, whole(buffer, None));
         // The exact size: the shader asks for the array's length.
         let bytes = u64::from(count) * size_of::<layout::Sample>() as u64;
         let mut entries = vec![
             (0, whole(&samples.buffer, NonZeroU64::new(bytes))),
-            entry(1, &values.buffer),
+            bind(1, &values.buffer),
         ];
-        if self.reads_tables {
-            entries.push(entry(2, &table.buffer));
+        let (_, files) = model.points();
+        if files.contains(&"shading/fibre") {
+            entries.push(bind(2, &table.buffer));
         }
+        let pipeline = self.pipeline(entry, model)?;
         let groups = [
-            self.group(pipeline, 0, &[entry(2, &material.buffer)]),
-            self.group(pipeline, 1, &entries),
+            self.group(&pipeline, 0, &[bind(2, &material.buffer)]),
+            self.group(&pipeline, 1, &entries),
         ];
-        if let Some(tabulate) = self.tabulate.as_ref().filter(|_| model.tables().is_some()) {
-            let groups = [
-                self.group(tabulate, 0, &[entry(2, &material.buffer)]),
-                self.group(tabulate, 1, &[entry(0, &table.buffer)]),
-            ];
+        if model.tables().is_some() {
+            let pipeline = self.pipeline(Entry::Tabulate, model)?;
+            let batch = Batch {
+                groups: [
+                    self.group(&pipeline, 0, &[bind(2, &material.buffer)]),
+                    self.group(&pipeline, 1, &[bind(0, &table.buffer)]),
+                ],
+                pipeline,
+                count: tables::entries(model),
+                values: table,
+            };
             let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            dispatch(&mut encoder, tabulate, &groups, tables::entries(model));
+            dispatch(&mut encoder, &batch);
             self.submit(encoder)?;
         }
         Ok(Batch {
+            pipeline,
             groups,
             values,
             count,
@@ -323,17 +323,12 @@ fn whole(buffer: &wgpu::Buffer, size: Option<NonZeroU64>) -> wgpu::BufferBinding
     }
 }
 
-fn dispatch(
-    encoder: &mut wgpu::CommandEncoder,
-    pipeline: &wgpu::ComputePipeline,
-    groups: &[wgpu::BindGroup; 2],
-    count: u32,
-) {
+fn dispatch(encoder: &mut wgpu::CommandEncoder, batch: &Batch) {
     let mut pass = encoder.begin_compute_pass(&Default::default());
-    pass.set_pipeline(pipeline);
-    for (index, group) in groups.iter().enumerate() {
+    pass.set_pipeline(&batch.pipeline);
+    for (index, group) in batch.groups.iter().enumerate() {
         pass.set_bind_group(index as u32, group, &[]);
     }
-    let (x, y) = workgroups(count);
+    let (x, y) = workgroups(batch.count);
     pass.dispatch_workgroups(x, y, 1);
 }

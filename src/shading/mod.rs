@@ -28,7 +28,7 @@ use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::layout::Material;
 use crate::plan::Plan;
 use crate::resources::Bound;
-use crate::shader::Module;
+use crate::shader::{Constant, Module};
 use crate::shadow;
 
 /// A shading model with its parameters.
@@ -111,6 +111,49 @@ impl Shading {
         }
     }
 
+    /// The settings for which the model's shaders are compiled: drivers that run on a CPU take both sides of every branch, so
+    /// what no setting uses is left out.
+    fn specialisation(&self) -> [(&'static str, bool); 5] {
+        let tables = self.tables();
+        let marschner = match self {
+            Self::Marschner(model) => Some(model),
+            _ => None,
+        };
+        [
+            ("FIBRE_TABLES", tables.is_some()),
+            (
+                "FIBRE_TABLE_F16",
+                tables.is_some_and(|t| t.precision == Precision::F16),
+            ),
+            ("FIBRE_DUAL", self.dual_scattering().is_some()),
+            (
+                "MARSCHNER_ELLIPTIC",
+                marschner.is_some_and(|m| m.eccentricity != 1.0),
+            ),
+            (
+                "MARSCHNER_CUBIC",
+                marschner.is_some_and(|m| m.roots == Roots::Cubic),
+            ),
+        ]
+    }
+
+    /// Those settings as bits.
+    pub(crate) fn variant(&self) -> u32 {
+        let flags = self.specialisation().into_iter().enumerate();
+        flags
+            .map(|(bit, (_, is_set))| u32::from(is_set) << bit)
+            .sum()
+    }
+
+    /// These files and the model's own, compiled for its settings.
+    pub(crate) fn module(&self, files: &[&'static str]) -> Module {
+        let module = Module::new(files).and(self.points().1);
+        let constants = self.specialisation().into_iter();
+        constants.fold(module, |module, (name, value)| {
+            module.with(name, Constant::Bool(value))
+        })
+    }
+
     /// Tables of azimuthal functions, where the model is to be read from them.
     pub(crate) fn tables(&self) -> Option<Tables> {
         match self {
@@ -160,33 +203,39 @@ impl Shading {
 }
 
 /// The module that shades points.
-pub(crate) fn points_module(shadowed: bool, files: &[&'static str]) -> Module {
-    Module::new(shadow::look_up(shadowed))
-        .and(&["shading/fibre_type", "shading/points"])
-        .and(files)
+pub(crate) fn points_module(shadowed: bool, shading: &Shading) -> Module {
+    let look_up = shadow::look_up(shadowed).iter();
+    let points = ["shading/fibre_type", "shading/points"];
+    let files: Vec<_> = look_up.copied().chain(points).collect();
+    shading.module(&files)
 }
 
 /// Shades every strand point for the view.
 pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
     tables::record(gpu, passes, bound, plan)?;
-    let (label, files) = plan.shading;
-    let key = PipelineKey {
-        variant: u32::from(plan.shadowed),
-        ..PipelineKey::new(label)
-    };
+    let (label, _) = plan.shading;
     let groups = [Group::Frame, Group::Shade, Group::MapsRead];
-    let pipeline = gpu.compute(key, "shade_points", &groups, || {
-        points_module(plan.shadowed, files)
-    })?;
+    let mut pipelines = Vec::with_capacity(plan.runs.len());
+    for run in &plan.runs {
+        let shading = &plan.shadings[run.hair];
+        let key = PipelineKey {
+            variant: u32::from(plan.shadowed) | shading.variant() << 1,
+            ..PipelineKey::new(label)
+        };
+        pipelines.push(gpu.compute(key, "shade_points", &groups, || {
+            points_module(plan.shadowed, shading)
+        })?);
+    }
     passes.compute(label, |pass| {
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(2, bound.maps_read, &[]);
-        for ((run, drawing), groups) in plan
+        for (number, ((run, drawing), groups)) in plan
             .runs
             .iter()
             .zip(&plan.bands[0].drawings)
             .zip(bound.runs)
+            .enumerate()
         {
+            pass.set_pipeline(&pipelines[number]);
+            pass.set_bind_group(2, bound.maps_read, &[]);
             pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
             pass.set_bind_group(1, &groups.shade, &[]);
             let (x, y) = workgroups(run.run.count);

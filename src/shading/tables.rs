@@ -8,7 +8,7 @@ use crate::plan::Plan;
 use crate::resources::{Bound, RING};
 use crate::shader::Module;
 
-/// Where a model's tables begin, in words: by one inclination, azimuthal; size and format; 0.
+/// Where a model's tables begin, in words: by one inclination, azimuthal; their size; 0.
 pub(crate) type Place = [u32; 4];
 
 /// Where each model's tables lie, the words that the host writes, and the number of all words.
@@ -27,7 +27,7 @@ pub(crate) fn lay_out(models: &[Shading], ambient: bool) -> (Vec<Place>, Vec<f32
     for (place, model) in places.iter_mut().zip(models) {
         if let Some(tables) = model.tables() {
             place[1] = size as u32;
-            place[2] = tables.word();
+            place[2] = tables.size;
             size += tables.words(model.dual_scattering().is_some());
         }
     }
@@ -151,8 +151,8 @@ impl Held {
 }
 
 /// The module that fills a model's tables.
-pub(crate) fn module(files: &[&'static str]) -> Module {
-    Module::new(&["shadow/none", "shading/fibre_type", "shading/tables"]).and(files)
+pub(crate) fn module(shading: &Shading) -> Module {
+    shading.module(&["shadow/none", "shading/fibre_type", "shading/tables"])
 }
 
 /// Entries of a model's tables: one table, or with dual scattering two.
@@ -179,13 +179,12 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
         if done.contains(&shading) {
             continue;
         }
-        let (_, files) = shading.points();
-        let pipeline = gpu.compute(
-            PipelineKey::new(label),
-            "shading_tabulate",
-            &[Group::Frame, Group::TablesWritten],
-            || module(files),
-        )?;
+        let key = PipelineKey {
+            variant: shading.variant(),
+            ..PipelineKey::new(label)
+        };
+        let groups = [Group::Frame, Group::TablesWritten];
+        let pipeline = gpu.compute(key, "shading_tabulate", &groups, || module(&shading))?;
         let count = entries(&shading);
         passes.compute(label, |pass| {
             pass.set_pipeline(&pipeline);

@@ -161,7 +161,8 @@ fn initialisers() -> String {
         table_precision,
         dual_scattering,
         forward_density,
-        backward_density
+        backward_density,
+        disorder
     );
     initialiser!(
         PelageSadeghi,
@@ -177,7 +178,8 @@ fn initialisers() -> String {
         tip_colour,
         dual_scattering,
         forward_density,
-        backward_density
+        backward_density,
+        disorder
     );
     initialiser!(
         PelageChiang,
@@ -193,7 +195,8 @@ fn initialisers() -> String {
         table_precision,
         dual_scattering,
         forward_density,
-        backward_density
+        backward_density,
+        disorder
     );
     initialiser!(
         PelageShading,

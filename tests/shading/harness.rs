@@ -112,7 +112,7 @@ impl Evaluator {
             64
         };
         Self {
-            evaluator: shading::Evaluator::new(gpu, queue, shading).unwrap(),
+            evaluator: shading::Evaluator::new(gpu, queue).unwrap(),
             azimuths,
         }
     }

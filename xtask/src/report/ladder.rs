@@ -6,7 +6,8 @@ use pelage::Raster;
 use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
 use pelage::shading::{
-    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
+    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
+    Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
@@ -71,7 +72,7 @@ impl Case {
     /// The stem of the technique that is measured.
     pub fn technique(&self) -> &'static str {
         match self.group {
-            Group::Shading => self.shading.stem(),
+            Group::Shading | Group::Samples | Group::Frames => self.shading.stem(),
             Group::Shadow => self.shadow.stem(),
             Group::Transparency => self.transparency.stem(),
         }
@@ -80,7 +81,9 @@ impl Case {
     /// The measured technique's settings, as in a scene file but for the stem.
     pub fn settings(&self) -> Value {
         let mut settings = match self.group {
-            Group::Shading => techniques::shading_settings(&self.shading),
+            Group::Shading | Group::Samples | Group::Frames => {
+                techniques::shading_settings(&self.shading)
+            }
             Group::Shadow => techniques::shadow_settings(&self.shadow),
             Group::Transparency => techniques::transparency_settings(&self.transparency),
         };
@@ -90,6 +93,9 @@ impl Case {
             map.retain(|_, value| !value.is_null());
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
+            }
+            if self.group == Group::Frames {
+                map.insert("shadow".into(), self.shadow.stem().into());
             }
         }
         settings
@@ -111,55 +117,117 @@ fn white(specular: f32, exponent: f32) -> Shading {
     })
 }
 
-/// Every other model, directly and through tables of rising size.
-fn fibre_models() -> Vec<Shading> {
-    let tables = |size, precision| Some(Tables { size, precision });
-    let ladder = [
-        None,
-        tables(32, Precision::F32),
-        tables(64, Precision::F32),
-        tables(128, Precision::F32),
-        tables(256, Precision::F32),
-        tables(512, Precision::F32),
-        tables(64, Precision::F16),
-        tables(256, Precision::F16),
-    ];
-    let marschner = Marschner::default();
-    let sadeghi = Sadeghi {
+/// Table sizes and Chiang's intervals of a ladder of models.
+struct Steps<'a> {
+    tables: &'a [(u32, Precision)],
+    intervals: &'a [u32],
+}
+
+/// Of pictures: enough to see that tables of the usual size are no worse than no tables.
+const PICTURE_STEPS: Steps = Steps {
+    tables: &[
+        (32, Precision::F32),
+        (64, Precision::F32),
+        (128, Precision::F32),
+        (256, Precision::F32),
+        (512, Precision::F32),
+        (64, Precision::F16),
+        (256, Precision::F16),
+    ],
+    intervals: &[16, 128],
+};
+
+/// Of samples: every size in both formats.
+const SAMPLE_STEPS: Steps = Steps {
+    tables: &[
+        (32, Precision::F32),
+        (64, Precision::F32),
+        (128, Precision::F32),
+        (256, Precision::F32),
+        (512, Precision::F32),
+        (32, Precision::F16),
+        (64, Precision::F16),
+        (128, Precision::F16),
+        (256, Precision::F16),
+        (512, Precision::F16),
+    ],
+    intervals: &[8, 16, 32, 64, 128],
+};
+
+fn marschner(tables: Option<Tables>) -> Marschner {
+    Marschner {
+        tables,
+        ..Marschner::default()
+    }
+}
+
+fn chiang(tables: Option<Tables>) -> Chiang {
+    Chiang {
+        tables,
+        ..Chiang::default()
+    }
+}
+
+/// Sadeghi's model with one glint angle for all strands, as the reference has it.
+fn sadeghi(normalised: bool) -> Sadeghi {
+    Sadeghi {
         glint_angle: [0.65; 2],
+        normalised,
         ..Sadeghi::default()
+    }
+}
+
+/// Every model but Kajiya-Kay's, directly and through tables.
+fn fibre_models(steps: &Steps) -> Vec<Shading> {
+    let tables = || {
+        let table = |&(size, precision): &(u32, Precision)| Tables { size, precision };
+        steps.tables.iter().map(table)
     };
-    let mut models = vec![Shading::Scheuermann(Scheuermann::default())];
-    models.extend(ladder.map(|tables| {
-        Shading::Marschner(Marschner {
-            tables,
-            ..marschner
-        })
-    }));
-    models.push(Shading::Marschner(Marschner {
-        tables: None,
+    let cubic = Marschner {
         roots: Roots::Cubic,
-        ..marschner
-    }));
-    models.extend([false, true].map(|normalised| {
-        Shading::Sadeghi(Sadeghi {
-            normalised,
-            ..sadeghi
-        })
-    }));
-    models.extend([16, 128].map(|intervals| {
+        ..marschner(None)
+    };
+    let mut models = vec![
+        Shading::Scheuermann(Scheuermann::default()),
+        Shading::Marschner(marschner(None)),
+    ];
+    models.extend(tables().map(|t| Shading::Marschner(marschner(Some(t)))));
+    models.push(Shading::Marschner(cubic));
+    models.extend([false, true].map(|normalised| Shading::Sadeghi(sadeghi(normalised))));
+    models.extend(steps.intervals.iter().map(|&intervals| {
         Shading::Chiang(Chiang {
-            tables: None,
             intervals,
-            ..Chiang::default()
+            ..chiang(None)
         })
     }));
-    models.extend(ladder.into_iter().flatten().map(|tables| {
-        Shading::Chiang(Chiang {
-            tables: Some(tables),
-            ..Chiang::default()
-        })
+    models.extend(tables().map(|t| Shading::Chiang(chiang(Some(t)))));
+    models
+}
+
+/// Every model as a host has it without asking for more, and directly, where it has tables; the first is that to which all
+/// are held. `dual`: with light that other fibres have scattered.
+fn frame_models(dual: bool) -> Vec<Shading> {
+    let dual_scattering = dual.then(DualScattering::default);
+    let mut models = vec![white(0.09, 60.0)];
+    if !dual {
+        models.push(Shading::Scheuermann(Scheuermann::default()));
+    }
+    for tables in [Some(Tables::default()), None] {
+        models.push(Shading::Marschner(Marschner {
+            dual_scattering,
+            ..marschner(tables)
+        }));
+    }
+    models.push(Shading::Sadeghi(Sadeghi {
+        dual_scattering,
+        ..sadeghi(true)
     }));
+    for tables in [Some(Tables::default()), None] {
+        models.push(Shading::Chiang(Chiang {
+            dual_scattering,
+            ..chiang(tables)
+        }));
+    }
     models
 }
 
@@ -179,10 +247,34 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
-    cases.extend(fibre_models().into_iter().map(|shading| Case {
-        shading,
-        ..base.clone()
-    }));
+    cases.extend(
+        fibre_models(&PICTURE_STEPS)
+            .into_iter()
+            .map(|shading| Case {
+                shading,
+                ..base.clone()
+            }),
+    );
+    cases.extend(
+        std::iter::once(base.shading)
+            .chain(fibre_models(&SAMPLE_STEPS))
+            .map(|shading| Case {
+                group: Group::Samples,
+                shading,
+                ..base.clone()
+            }),
+    );
+    for (dual, shadow) in [
+        (false, Shadow::None),
+        (true, Shadow::DeepOpacityMap(DeepOpacityMap::default())),
+    ] {
+        cases.extend(frame_models(dual).into_iter().map(|shading| Case {
+            group: Group::Frames,
+            shading,
+            shadow,
+            ..base.clone()
+        }));
+    }
     let resolutions: &[u32] = if quick {
         &[256, 512]
     } else {
