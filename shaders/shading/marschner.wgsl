@@ -98,7 +98,7 @@ fn marschner_of_root(cylinder: FibreCylinder, slope: f32, h: f32, cos_gamma: f32
 fn marschner_tt(cylinder: FibreCylinder, phi: f32) -> vec3f {
     let inverse = cylinder.inverse_eta_prime;
     if MARSCHNER_CUBIC {
-        let e = MarschnerExit(1.0, inverse, fibre_asin(inverse), true);
+        let e = MarschnerExit(1.0, inverse, fibre_asin(inverse));
         return marschner_sum(cylinder, e, marschner_turning_point(e), phi).tt;
     }
     // γ_i - γ_t = δ: tan γ_i = sin δ / (cos δ - 1/η'), with cos δ - 1/η' = (1 - 1/η') - 2 sin²(δ/2).
