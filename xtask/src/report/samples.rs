@@ -11,9 +11,11 @@ use crate::Result;
 
 /// Samples of one evaluation that is timed: the groom's points in their order, again and again.
 const SAMPLES: usize = 1 << 18;
-/// Evaluations that are timed, each of all samples. They are short and many, so that the least is one that nothing else
-/// disturbed.
-const REPEATS: usize = 40;
+/// Evaluations that are timed, each of all samples: as many as take this long in seconds. They are short and many, so that the
+/// least is one that nothing else disturbed.
+const SECONDS: f64 = 4.0;
+/// The least and the most.
+const REPEATS: [f64; 2] = [3.0, 40.0];
 /// Samples that are compared at most: the reference integrates each.
 const COMPARED: usize = 8192;
 
@@ -40,9 +42,12 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
         .collect();
 
     let timed: Vec<Sample> = points.iter().copied().cycle().take(SAMPLES).collect();
-    let times = evaluator
-        .times(&case.shading, &timed, REPEATS)
-        .map_err(sentence)?;
+    let times = |repeats: usize| {
+        let times = evaluator.times(&case.shading, &timed, repeats);
+        times.map_err(sentence)
+    };
+    let first = times(1)?[0].as_secs_f64();
+    let times = times((SECONDS / first).clamp(REPEATS[0], REPEATS[1]) as usize)?;
     let times = times.iter().map(|time| time.as_secs_f64() * 1e3).collect();
     Ok(Row {
         samples: Some(SAMPLES as u64),

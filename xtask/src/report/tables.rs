@@ -20,7 +20,7 @@ of white.
 - **Shadow**: transmittance at the strand points next to the nearest fragments of at most 6,000 pixels, against 64 rays
   over a disc of half a pixel's size; time of the light's passes, each submitted alone. \"Picture\" is the error of the shaded
   nearest fragments.
-- **Samples**: each model by itself over the groom's strand points: the least nanoseconds a sample, of 2¹⁸ in a dispatch and 40 dispatches, with reading and
+- **Samples**: each model by itself over the groom's strand points: the least nanoseconds a sample, of 2¹⁸ in a dispatch and up to 40 dispatches, with reading and
   writing a sample's 80 bytes; errors against the exact model, of the root of its mean square. MB are the tables' alone.
 - **Frames**: whole frames of all models, which take turns; ratios are those to Kajiya-Kay's frame of the same round; the shading
   passes submitted alone. `chiang` and `marschner` come through tables of the default size, and directly.
