@@ -7,12 +7,13 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
+use crate::layout::{Counters, ORDER_KEYS, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::tables;
-use crate::transparency::Transparency;
-use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
+use crate::surface::{Subresource, Surface};
+use crate::transparency::Fragments;
+use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 
 /// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
 pub(crate) const RING: usize = 8;
@@ -56,12 +57,13 @@ struct Slot {
     fills: u64,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
-    depth: Option<wgpu::Texture>,
+    depth: Option<(wgpu::Texture, Subresource)>,
 }
 
 /// One run's bind groups.
 pub(crate) struct RunGroups {
     pub project: wgpu::BindGroup,
+    pub order: wgpu::BindGroup,
     pub segments: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
     /// Where an output asks for it.
@@ -99,6 +101,7 @@ pub(crate) struct Bound<'a> {
     pub pixels_read: &'a wgpu::BindGroup,
     pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
+    pub order_counts: &'a wgpu::Buffer,
     /// A copy of the counters, for the arguments in them.
     pub arguments: &'a wgpu::Buffer,
     returned: &'a Allocation,
@@ -163,6 +166,9 @@ pub(crate) struct Returned {
 /// Pools, ring and bind groups.
 pub(crate) struct Resources {
     projected: Allocation,
+    /// The order of every run's segments, and its keys' counts.
+    order: Allocation,
+    order_counts: Allocation,
     shaded: Allocation,
     point_outputs: Allocation,
     host_tiles: Allocation,
@@ -232,6 +238,8 @@ impl Resources {
             .collect::<Result<Vec<_>>>()?;
         Ok(Self {
             projected: empty("pelage.geometry.projected")?,
+            order: empty("pelage.geometry.order")?,
+            order_counts: empty("pelage.geometry.order_counts")?,
             shaded: empty("pelage.shading.points")?,
             point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
@@ -328,6 +336,20 @@ impl Resources {
         )?;
         grow(
             gpu,
+            &mut self.order,
+            "pelage.geometry.order",
+            points * 4,
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.order_counts,
+            "pelage.geometry.order_counts",
+            plan.runs.len() as u64 * ORDER_KEYS * 4,
+            generation,
+        )?;
+        grow(
+            gpu,
             &mut self.shaded,
             "pelage.shading.points",
             points * 8,
@@ -342,7 +364,7 @@ impl Resources {
                 generation,
             )?;
         }
-        if plan.host_depth {
+        if plan.host_depth || plan.cuts {
             let bytes = u64::from(plan.tile_count()) * 8;
             grow(
                 gpu,
@@ -366,71 +388,44 @@ impl Resources {
             .max()
             .unwrap_or(0);
         let pool = &mut self.pixels;
-        grow(
-            gpu,
-            &mut pool.fill,
-            "pelage.transparency.fill",
-            pixels * 4,
-            generation,
+        let needs = plan.transparency.needs(pixels);
+        let mut sized =
+            |slot: &mut Allocation, label, bytes| grow(gpu, slot, label, bytes, generation);
+        sized(&mut pool.fill, "pelage.transparency.fill", needs.fill)?;
+        sized(&mut pool.links, "pelage.transparency.links", needs.links)?;
+        sized(
+            &mut pool.overflow,
+            "pelage.transparency.overflow",
+            needs.overflow,
         )?;
-        match plan.transparency {
-            Transparency::Opaque(_) => {
-                grow(
-                    gpu,
-                    &mut pool.links,
-                    "pelage.transparency.links",
-                    pixels * 4,
-                    generation,
-                )?;
-                grow(
-                    gpu,
-                    &mut pool.fragments[0],
-                    "pelage.transparency.fragments",
-                    pixels * 4,
-                    generation,
-                )
-            }
-            Transparency::ABuffer(settings) => {
-                let words = pixels * 4 * OVERFLOW_WORDS;
-                grow(
-                    gpu,
-                    &mut pool.overflow,
-                    "pelage.transparency.overflow",
-                    words,
-                    generation,
-                )?;
-                if settings.storage == Storage::Counted {
-                    let scan = pixels + 1 + pixels.div_ceil(u64::from(SCAN_BLOCK));
-                    grow(
-                        gpu,
-                        &mut pool.links,
-                        "pelage.transparency.links",
-                        scan * 4,
-                        generation,
-                    )?;
-                }
-                self.grow_fragments(gpu, plan, &settings)
-            }
+        match needs.fragments {
+            Fragments::Fixed(bytes) => sized(
+                &mut pool.fragments[0],
+                "pelage.transparency.fragments",
+                bytes,
+            ),
+            Fragments::Pool { linked, bytes } => self.grow_fragments(gpu, plan, linked, bytes),
         }
     }
 
     /// Sizes the fragment pool: to what the host says, or to what is expected or was measured, within the budget.
-    fn grow_fragments(&mut self, gpu: &Gpu, plan: &Plan, settings: &ABuffer) -> Result<()> {
-        let each = if settings.storage == Storage::Lists {
-            NODE_BYTES
-        } else {
-            FRAGMENT_BYTES
-        };
+    fn grow_fragments(
+        &mut self,
+        gpu: &Gpu,
+        plan: &Plan,
+        lists: bool,
+        pool_bytes: Option<u64>,
+    ) -> Result<()> {
+        let each = if lists { NODE_BYTES } else { FRAGMENT_BYTES };
         let part = part_capacity(gpu);
         let held = self.fragments_held(part);
-        let lists = settings.storage == Storage::Lists;
         // Lists keep their links in one binding.
         let most = if lists {
             (3 * part).min(gpu.max_binding() / 4)
         } else {
             3 * part
         };
-        let wanted = match settings.pool_bytes {
+        let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
                 let expected = plan.expected_fragments.max(self.needed) as f64 * POOL_MARGIN;
@@ -464,7 +459,7 @@ impl Resources {
             grow(gpu, links, label, wanted * 4, &mut self.generation)?;
         }
         let held = self.fragments_held(part).min(most);
-        self.capacity = if settings.pool_bytes.is_some() {
+        self.capacity = if pool_bytes.is_some() {
             wanted.min(held)
         } else {
             held
@@ -535,7 +530,8 @@ impl Resources {
         let runs = plan
             .runs
             .iter()
-            .map(|run| {
+            .enumerate()
+            .map(|(number, run)| {
                 let geometry = &frame.hairs[run.hair].geometry;
                 let (first, base, count) = (
                     u64::from(run.run.first),
@@ -560,7 +556,21 @@ impl Resources {
                     segments: gpu.bind(
                         "pelage.segments",
                         Group::Segments,
-                        &[projected(), part(&geometry.segments, first, count, 4)],
+                        &[projected(), part(&self.order, base, count, 4)],
+                    ),
+                    order: gpu.bind(
+                        "pelage.order",
+                        Group::Order,
+                        &[
+                            projected(),
+                            part(&self.order, base, count, 4),
+                            part(
+                                &self.order_counts,
+                                number as u64 * ORDER_KEYS,
+                                ORDER_KEYS,
+                                4,
+                            ),
+                        ],
                     ),
                     shade: gpu.bind(
                         "pelage.shade",
@@ -655,12 +665,14 @@ impl Resources {
             return Ok(());
         };
         gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
-        if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
-            let bind = |depth: &wgpu::Texture| {
-                let view = depth.create_view(&wgpu::TextureViewDescriptor {
-                    aspect: wgpu::TextureAspect::DepthOnly,
-                    ..Default::default()
-                });
+        let depth = target.depth_surface();
+        let held = slot
+            .depth
+            .as_ref()
+            .map(|(texture, at)| Surface { texture, at: *at });
+        if stale || slot.frame.is_none() || held != depth {
+            let bind = |depth: Surface| {
+                let view = depth.view(wgpu::TextureAspect::DepthOnly);
                 let block = |size: usize| {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &uniforms.buffer,
@@ -679,18 +691,16 @@ impl Resources {
                     ],
                 )
             };
-            slot.frame = Some(bind(target.depth.unwrap_or(&self.no_depth)));
-            slot.frame_without_depth = Some(bind(&self.no_depth));
-            slot.depth = target.depth.cloned();
+            let none = Surface {
+                texture: &self.no_depth,
+                at: Subresource::default(),
+            };
+            slot.frame = Some(bind(depth.unwrap_or(none)));
+            slot.frame_without_depth = Some(bind(none));
+            slot.depth = depth.map(|depth| (depth.texture.clone(), depth.at));
         }
         slot.bands = plan.bands.len() as u64;
-        slot.lists = matches!(
-            plan.transparency,
-            Transparency::ABuffer(ABuffer {
-                storage: Storage::Lists,
-                ..
-            })
-        );
+        slot.lists = plan.transparency.needs(0).fragments.linked();
         slot.capacity = self.capacity;
         slot.fills = self.tables.to_fill();
         Ok(())
@@ -714,6 +724,7 @@ impl Resources {
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             point_outputs: &groups.point_outputs,
+            order_counts: &self.order_counts.buffer,
             pixels: &self.pixels,
             attachment: self
                 .attachment

@@ -12,7 +12,7 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
+    ABuffer, DbkBuffer, Opaque, Storage, Transparency, a_buffer, dbk_buffer, opaque, resolve_module,
 };
 
 /// A module that the crate can build.
@@ -86,6 +86,7 @@ pub fn combinations() -> Vec<Combination> {
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
+        .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
@@ -100,10 +101,16 @@ pub fn combinations() -> Vec<Combination> {
         storage: Storage::Lists,
         ..Default::default()
     });
+    let by_shift = Transparency::DbkBuffer(DbkBuffer {
+        depth_shift: Some(1.0),
+        ..Default::default()
+    });
     for (name, technique) in [
         ("opaque", Transparency::Opaque(Opaque::default())),
         ("counted", counted),
         ("lists", lists),
+        ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
+        ("dbk_buffer by a shift", by_shift),
     ] {
         modules.push((
             format!("composite {name}"),
@@ -122,10 +129,14 @@ pub fn combinations() -> Vec<Combination> {
         "project".into(),
         Module::new(&["common/pixels", "common/project"]),
     ));
+    modules.push(("order".into(), Module::new(&["common/order"])));
     modules.push((
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
     ));
+    modules.push(("dbk_buffer depths".into(), dbk_buffer::depths_module()));
+    modules.push(("dbk_buffer drop".into(), dbk_buffer::drop_module()));
+    modules.push(("dbk_buffer pixels".into(), dbk_buffer::pixels_module()));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
@@ -241,7 +252,7 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, cut_depth, depth_shift, lights, shadow_views,
         }
         Material { values }
         Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand }
@@ -276,6 +287,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("NO_PLACE", layout::NO_PLACE),
         ("OVERFLOW_WORDS", layout::OVERFLOW_WORDS as u32),
         ("SCAN_BLOCK", layout::SCAN_BLOCK),
+        ("ORDER_KEYS", layout::ORDER_KEYS as u32),
     ]
 }
 

@@ -101,8 +101,9 @@ struct Frame {
     part_capacity: u32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
-    padding_0: u32,
-    padding_1: u32,
+    // DBK-buffer: optical depth beyond which nothing is stored, and the depth shift in host units where that decides.
+    cut_depth: f32,
+    depth_shift: f32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }

@@ -10,7 +10,7 @@ use pelage::shading::{
     Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
-use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
 use serde_json::Value;
 
 use super::Group;
@@ -49,6 +49,30 @@ pub const SCENES: &[Scene] = &[
         strands: 50_000,
         size: [656, 861],
         opacity: 0.5,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.1",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.1,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.3",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.3,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.9",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.9,
         quick: false,
     },
 ];
@@ -332,6 +356,15 @@ pub fn cases(quick: bool) -> Vec<Case> {
                 ..base.clone()
             });
         }
+    }
+    for epsilon in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0] {
+        cases.push(Case {
+            transparency: Transparency::DbkBuffer(DbkBuffer {
+                epsilon,
+                ..DbkBuffer::default()
+            }),
+            ..base.clone()
+        });
     }
     cases
 }
