@@ -110,7 +110,7 @@ fn table(rows: &[&Row], is_shadow: bool) -> String {
 
 fn sample_table(rows: &[&Row]) -> String {
     let mut text =
-        "| technique | settings | ns, least (median) | RMSE | p99 | max | MB |\n|---|---|---|---|---|---|---|\n"
+        "| technique | settings | ns | RMSE | p99 | max | MB |\n|---|---|---|---|---|---|---|\n"
             .to_owned();
     for row in rows {
         writeln!(
