@@ -135,6 +135,12 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Chiang et al. 2016, d'Eon et al. 2011.
 #define PELAGE_SHADING_CHIANG 4
 
+// At strand points, once a view; a fragment's colour is interpolated along its segment.
+#define PELAGE_SHADING_RATE_POINT 0
+
+// At each fragment that the transparency technique keeps, at its own position.
+#define PELAGE_SHADING_RATE_FRAGMENT 1
+
 // Of the exact exit angle.
 #define PELAGE_ROOTS_EXACT 0
 
@@ -179,6 +185,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Every fragment stored, sorted and composited.
 #define PELAGE_TRANSPARENCY_A_BUFFER 1
+
+// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+#define PELAGE_TRANSPARENCY_DBK_BUFFER 10
 
 // The library chooses.
 #define PELAGE_RASTER_AUTO 0
@@ -568,6 +577,12 @@ typedef struct PelageMarschner {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
     // How much its fibres lie in other directions, from 0, combed hair, to 1.
     float disorder;
 } PelageMarschner;
@@ -612,6 +627,12 @@ typedef struct PelageSadeghi {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
     // How much its fibres lie in other directions, from 0, combed hair, to 1.
     float disorder;
 } PelageSadeghi;
@@ -644,6 +665,15 @@ typedef struct PelageChiang {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
+    // 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
+    // the mean over their width.
+    uint32_t near_field;
     // How much its fibres lie in other directions, from 0, combed hair, to 1.
     float disorder;
 } PelageChiang;
@@ -664,6 +694,10 @@ typedef struct PelageShading {
     const struct PelageSadeghi *sadeghi;
     // For `PELAGE_SHADING_CHIANG`; NULL: as `PELAGE_CHIANG_INIT`.
     const struct PelageChiang *chiang;
+    // `PELAGE_SHADING_RATE_...`; the same for all hairs of a frame.
+    uint32_t rate;
+    // 0.
+    uint32_t reserved;
 } PelageShading;
 
 // Settings of the deep opacity map.
@@ -715,6 +749,21 @@ typedef struct PelageABuffer {
     uint64_t pool_bytes;
 } PelageABuffer;
 
+// Settings of the DBK-buffer.
+typedef struct PelageDbkBuffer {
+    // `sizeof(PelageDbkBuffer)`.
+    uint32_t struct_size;
+    // How much of a pixel's alpha, and of its culled hair's radiance, may be left out: from 1e-6 to 0.5.
+    float epsilon;
+    // Above 0: what lies farther than this behind the nearest fragment, in host units along the ray, is drawn as one opaque
+    // layer, and `epsilon` is not asked. 0: `epsilon` decides.
+    float depth_shift;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageDbkBuffer;
+
 // A transparency technique with its settings.
 typedef struct PelageTransparency {
     // `sizeof(PelageTransparency)`.
@@ -725,6 +774,8 @@ typedef struct PelageTransparency {
     const struct PelageOpaque *opaque;
     // For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     const struct PelageABuffer *a_buffer;
+    // For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
+    const struct PelageDbkBuffer *dbk_buffer;
 } PelageTransparency;
 
 // How a target is made.
@@ -1298,7 +1349,7 @@ PelageResult pelage_hair_rest(struct PelageHair hair);
 // Sets the fibres' own opacity, from 0 to 1.
 PelageResult pelage_hair_set_opacity(struct PelageHair hair, float opacity);
 
-// Sets a hair's shading model.
+// Sets a hair's shading model, and where it is evaluated.
 PelageResult pelage_hair_set_shading(struct PelageHair hair, const struct PelageShading *shading);
 
 // Sets the shadow technique that a hair wishes for lights that name none; NULL: no wish. Where no hair has one, lights
@@ -1555,7 +1606,8 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
-#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 10, NULL, NULL, NULL }
+#define PELAGE_DBK_BUFFER_INIT { sizeof(PelageDbkBuffer), 0.00390625f, 0.0f, 0, 0 }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }

@@ -34,7 +34,7 @@ pub(crate) fn receive(
     plan: &Plan,
     target: &Target,
 ) -> Result<()> {
-    if !target.receive_shadow || !plan.shadowed {
+    if !target.receive_shadow || !plan.shader.shadowed {
         return Ok(());
     }
     let label = "pelage.composite.receive";
@@ -93,7 +93,9 @@ pub(crate) fn record(
     let label = "pelage.composite.resolve";
     let format = target.colour.format();
     let depth = target.depth_surface().filter(|_| target.write_depth);
+    let shader = plan.shader.of_fragments();
     let key = PipelineKey {
+        shading: shader,
         colour: Some(format),
         depth: depth.map(|depth| depth.format()),
         variant: (transparency::resolve_variant(&plan.transparency) * 2
@@ -108,7 +110,7 @@ pub(crate) fn record(
         wgpu::CompareFunction::LessEqual
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: transparency::resolve_module(&plan.transparency, plan.parts)
+        module: transparency::resolve_module(&plan.transparency, plan.parts, shader.as_ref())
             .and(&["common/fullscreen", "composite"]),
         vertex: "fullscreen_vertex",
         fragment: if depth.is_some() {
@@ -116,7 +118,15 @@ pub(crate) fn record(
         } else {
             "composite"
         },
-        groups: &[Group::Frame, Group::PixelsRead],
+        groups: match shader {
+            None => &[Group::Frame, Group::PixelsRead],
+            Some(_) => &[
+                Group::Frame,
+                Group::TablesRead,
+                Group::MapsRead,
+                Group::PixelsRead,
+            ],
+        },
         topology: wgpu::PrimitiveTopology::TriangleList,
         targets: vec![Some(wgpu::ColorTargetState {
             format,
@@ -148,6 +158,10 @@ pub(crate) fn record(
             bound.frame_without_depth,
             &[0, band.drawings[0], plan.runs[0].material],
         );
+        if let Some(tables) = bound.tables_read {
+            pass.set_bind_group(1, tables, &[]);
+            pass.set_bind_group(2, bound.maps_read, &[]);
+        }
         pass.set_bind_group(3, bound.pixels_read, &[]);
         pass.draw(0..3, 0..1);
     });
@@ -189,7 +203,7 @@ pub(crate) fn outputs(
         ..PipelineKey::new(label)
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: transparency::resolve_module(&plan.transparency, plan.parts)
+        module: transparency::resolve_module(&plan.transparency, plan.parts, None)
             .and(&["common/fullscreen", "outputs"])
             .with("TRACKED", Constant::Bool(tracked)),
         vertex: "fullscreen_vertex",

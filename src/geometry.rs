@@ -13,7 +13,7 @@ use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttribute
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::Module;
-use crate::shading::Shading;
+use crate::shading::{Shading, ShadingRate};
 use crate::shadow::Shadow;
 use crate::transparency::Transparency;
 
@@ -52,6 +52,8 @@ pub struct Hair {
     pub opacity: f32,
     /// The shading model.
     pub shading: Shading,
+    /// Where it is evaluated; the same for all hairs of a frame.
+    pub shading_rate: ShadingRate,
     /// The shadow technique that this hair wishes for lights that name none.
     pub shadow: Option<Shadow>,
     /// The transparency technique that this hair wishes for frames that name none.
@@ -85,6 +87,8 @@ pub(crate) struct Geometry {
     /// Half the extent of the box around all points, whose centre is `origin`.
     pub half_extent: DVec3,
     pub max_radius: f64,
+    /// The greatest channel of the strands' colours.
+    pub brightest: f32,
     /// Sum of all segments' lengths.
     pub length: f64,
     pub strand_count: u64,
@@ -218,6 +222,11 @@ impl Geometry {
             origin: packed.origin,
             half_extent: packed.half_extent,
             max_radius: packed.max_radius,
+            brightest: strands
+                .colours()
+                .iter()
+                .flatten()
+                .fold(0.0, |a, c| a.max(*c)),
             length: packed.length,
             strand_count: strands.strand_count() as u64,
             segment_count: packed.segment_count,

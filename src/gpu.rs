@@ -8,6 +8,7 @@ use std::time::Instant;
 use crate::error::{Error, Result};
 use crate::raster::Rasteriser;
 use crate::shader::Module;
+use crate::shading::Shader;
 use crate::statistics::PassTime;
 
 /// The kinds of bind groups. Their numbers in WGSL: frame 0, geometry 1, shadow maps 2, pixels 3.
@@ -22,6 +23,7 @@ pub(crate) enum Group {
     Track,
     PointOutputs,
     TablesWritten,
+    TablesRead,
     Gather,
     Guided,
     MapsWritten,
@@ -30,7 +32,7 @@ pub(crate) enum Group {
     PixelsRead,
 }
 
-const GROUPS: [Group; 15] = [
+const GROUPS: [Group; 16] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
@@ -40,6 +42,7 @@ const GROUPS: [Group; 15] = [
     Group::Track,
     Group::PointOutputs,
     Group::TablesWritten,
+    Group::TablesRead,
     Group::Gather,
     Group::Guided,
     Group::MapsWritten,
@@ -63,6 +66,7 @@ impl Group {
             | Self::Track
             | Self::PointOutputs
             | Self::TablesWritten
+            | Self::TablesRead
             | Self::Gather
             | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
@@ -125,6 +129,7 @@ impl Group {
                 .collect(),
             Self::PointOutputs => vec![storage(0, Stages::FRAGMENT, true)],
             Self::TablesWritten => vec![storage(0, Stages::COMPUTE, false)],
+            Self::TablesRead => vec![storage(0, Stages::FRAGMENT, true)],
             Self::Gather => std::iter::once(uniform(0, false))
                 .chain((1..5).map(|binding| storage(binding, Stages::COMPUTE, binding < 4)))
                 .collect(),
@@ -218,6 +223,8 @@ pub(crate) struct PipelineKey {
     pub rasteriser: Option<Rasteriser>,
     pub colour: Option<wgpu::TextureFormat>,
     pub depth: Option<wgpu::TextureFormat>,
+    /// The shading model, where fragments are shaded.
+    pub shading: Option<Shader>,
     pub variant: u32,
 }
 
@@ -228,6 +235,7 @@ impl PipelineKey {
             rasteriser: None,
             colour: None,
             depth: None,
+            shading: None,
             variant: 0,
         }
     }

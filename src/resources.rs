@@ -10,7 +10,7 @@ use crate::gpu::{Allocation, Gpu, Group, Passes};
 use crate::layout::{Counters, ORDER_KEYS, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
-use crate::shading::tables;
+use crate::shading::{ShadingRate, tables, transmission};
 use crate::surface::{Subresource, Surface};
 use crate::transparency::Fragments;
 use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
@@ -74,10 +74,13 @@ pub(crate) struct RunGroups {
 struct Groups {
     serials: Vec<u64>,
     generation: u64,
+    rate: ShadingRate,
     tracked: bool,
     point_outputs: wgpu::BindGroup,
     tables: u64,
     tables_written: Option<wgpu::BindGroup>,
+    /// Where fragments are shaded.
+    tables_read: Option<wgpu::BindGroup>,
     runs: Vec<RunGroups>,
     host_tiles: wgpu::BindGroup,
     maps_written: wgpu::BindGroup,
@@ -94,6 +97,8 @@ pub(crate) struct Bound<'a> {
     pub host_tiles: &'a wgpu::BindGroup,
     /// The shading models' tables, where they are still to be filled.
     pub tables: Option<&'a wgpu::BindGroup>,
+    /// The same, where fragments are shaded and read them.
+    pub tables_read: Option<&'a wgpu::BindGroup>,
     pub maps_written: &'a wgpu::BindGroup,
     pub maps_read: &'a wgpu::BindGroup,
     pub pixels_written: &'a wgpu::BindGroup,
@@ -170,10 +175,12 @@ pub(crate) struct Resources {
     order: Allocation,
     order_counts: Allocation,
     shaded: Allocation,
+    fibre_points: Allocation,
     point_outputs: Allocation,
     host_tiles: Allocation,
     maps: Allocation,
     tables: tables::Held,
+    bounds: transmission::Bounds,
     pixels: Pixels,
     arguments: Allocation,
     generation: u64,
@@ -241,10 +248,12 @@ impl Resources {
             order: empty("pelage.geometry.order")?,
             order_counts: empty("pelage.geometry.order_counts")?,
             shaded: empty("pelage.shading.points")?,
+            fibre_points: empty("pelage.shading.fibre_points")?,
             point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
             tables: tables::Held::default(),
+            bounds: transmission::Bounds::default(),
             pixels: Pixels {
                 counters: empty("pelage.counters")?,
                 fill: empty("pelage.transparency.fill")?,
@@ -297,6 +306,7 @@ impl Resources {
         if plan.runs.is_empty() {
             return Ok(());
         }
+        plan.leave_out_transmission(&mut self.bounds);
         self.tables.hold(gpu, plan)?;
         for hair in 0..plan.shadings.len() {
             let place = self.tables.place(&plan.shadings[hair]);
@@ -313,6 +323,7 @@ impl Resources {
         let key_matches = self.groups.as_ref().is_some_and(|groups| {
             groups.generation == self.generation
                 && groups.serials == plan.serials
+                && groups.rate == plan.shader.rate
                 && (groups.tracked || !plan.tracked)
                 && groups.tables == self.tables.serial()
         });
@@ -348,13 +359,22 @@ impl Resources {
             plan.runs.len() as u64 * ORDER_KEYS * 4,
             generation,
         )?;
-        grow(
-            gpu,
-            &mut self.shaded,
-            "pelage.shading.points",
-            points * 8,
-            generation,
-        )?;
+        match plan.shader.rate {
+            ShadingRate::Point => grow(
+                gpu,
+                &mut self.shaded,
+                "pelage.shading.points",
+                points * 8,
+                generation,
+            )?,
+            ShadingRate::Fragment => grow(
+                gpu,
+                &mut self.fibre_points,
+                "pelage.shading.fibre_points",
+                plan.fibre_point_bytes(),
+                generation,
+            )?,
+        }
         if plan.tracked {
             grow(
                 gpu,
@@ -527,6 +547,10 @@ impl Resources {
     }
 
     fn bind(&self, gpu: &Gpu, frame: &Frame, plan: &Plan) -> Groups {
+        let shaded = match plan.shader.rate {
+            ShadingRate::Point => &self.shaded,
+            ShadingRate::Fragment => &self.fibre_points,
+        };
         let runs = plan
             .runs
             .iter()
@@ -580,7 +604,7 @@ impl Resources {
                             attributes(),
                             geometry.colours.binding(),
                             projected(),
-                            self.shaded.binding(),
+                            shaded.binding(),
                             // Models without tables read none: anything will do.
                             self.tables.buffer().unwrap_or(&geometry.colours).binding(),
                         ],
@@ -613,7 +637,7 @@ impl Resources {
             &pool.fragments[1],
             &pool.fragments[2],
             &pool.overflow,
-            &self.shaded,
+            shaded,
         ]
         .into_iter()
         .map(Allocation::binding)
@@ -621,6 +645,7 @@ impl Resources {
         Groups {
             serials: plan.serials.clone(),
             generation: self.generation,
+            rate: plan.shader.rate,
             tracked: plan.tracked,
             point_outputs: gpu.bind(
                 "pelage.point_outputs",
@@ -632,6 +657,15 @@ impl Resources {
                 gpu.bind(
                     "pelage.shading.tables",
                     Group::TablesWritten,
+                    &[buffer.binding()],
+                )
+            }),
+            tables_read: plan.shader.of_fragments().map(|_| {
+                // Models without tables read none: anything will do.
+                let buffer = self.tables.buffer().unwrap_or(&self.projected);
+                gpu.bind(
+                    "pelage.shading.tables_read",
+                    Group::TablesRead,
                     &[buffer.binding()],
                 )
             }),
@@ -719,6 +753,7 @@ impl Resources {
             runs: &groups.runs,
             host_tiles: &groups.host_tiles,
             tables: groups.tables_written.as_ref().filter(|_| slot.fills > 0),
+            tables_read: groups.tables_read.as_ref(),
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
             pixels_written: &groups.pixels_written,

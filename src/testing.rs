@@ -7,8 +7,9 @@ use std::mem::offset_of;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
-    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
-    Tables, evaluator, points_module, tables,
+    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, RoughnessVariation, Sadeghi,
+    Scheuermann, Shader, Shading, ShadingRate, Tables, evaluator, gather_module, tables,
+    transmission,
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
@@ -65,19 +66,89 @@ fn variants() -> Vec<Shading> {
             ..Chiang::default()
         }));
     }
+    let roughness = RoughnessVariation {
+        strand: 0.5,
+        tip: 1.0,
+    };
+    variants.push(Shading::Marschner(Marschner {
+        roughness,
+        ..Marschner::default()
+    }));
+    variants.push(Shading::Sadeghi(Sadeghi {
+        roughness,
+        ..Sadeghi::default()
+    }));
+    variants.push(Shading::Chiang(Chiang {
+        roughness,
+        near_field: true,
+        ..Chiang::default()
+    }));
     variants
+}
+
+/// The shaders of all these, those without TT, and those of hairs that differ in their settings.
+fn shaders() -> Vec<Shader> {
+    let of = |shading: &Shading| Shader::of(shading, ShadingRate::Fragment);
+    let mut shaders: Vec<Shader> = variants().iter().map(of).collect();
+    for model in models() {
+        shaders.push(Shader {
+            transmits: false,
+            ..of(&model)
+        });
+        shaders.push(Shader {
+            varies: true,
+            settings: None,
+            ..of(&model)
+        });
+    }
+    shaders
+}
+
+/// What tells the shaders of one model apart.
+fn detail(shader: &Shader) -> String {
+    let settings = shader
+        .settings
+        .map_or("of each hair".into(), |bits| format!("{bits:b}"));
+    let Shader {
+        varies, transmits, ..
+    } = shader;
+    format!("settings {settings}, varies {varies}, transmits {transmits}")
 }
 
 /// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
 pub fn shading_source(shading: &Shading) -> String {
-    let files = ["shadow/none", "shading/fibre_type"];
-    shading.module(&files).join().source
+    Shader::of(shading, ShadingRate::Fragment)
+        .functions()
+        .join()
+        .source
 }
 
 /// The tables of one model as a frame would place them: the place, the words that the host writes, and how many there are.
-pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) {
+pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 3], Vec<f32>, u64) {
     let (places, words, size) = tables::lay_out(&[*shading], ambient);
     (places[0], words, size)
+}
+
+/// The bound of a model's TT lobe with no light further from the eye's direction than this; `None` where it is never left out.
+pub fn transmission_bound(shading: &Shading, angle: f64) -> Option<f32> {
+    let tolerant = match *shading {
+        Shading::Marschner(model) => Shading::Marschner(Marschner {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        Shading::Sadeghi(model) => Shading::Sadeghi(Sadeghi {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        Shading::Chiang(model) => Shading::Chiang(Chiang {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        other => other,
+    };
+    let (lobe, _) = tolerant.transmission()?;
+    let bound = transmission::Bounds::default().of(&lobe).to_owned();
+    Some(transmission::look_up(&bound, angle))
 }
 
 /// Every module that the crate can build.
@@ -90,10 +161,12 @@ pub fn combinations() -> Vec<Combination> {
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
-            modules.push((
-                format!("{} {rasteriser}", emission.label),
-                emission.module(rasteriser, 3),
-            ));
+            for rate in [ShadingRate::Point, ShadingRate::Fragment] {
+                modules.push((
+                    format!("{} {rasteriser}, shaded by {rate:?}", emission.label),
+                    emission.module(rasteriser, 3, rate),
+                ));
+            }
         }
     }
     let counted = Transparency::ABuffer(ABuffer::default());
@@ -105,21 +178,22 @@ pub fn combinations() -> Vec<Combination> {
         depth_shift: Some(1.0),
         ..Default::default()
     });
-    for (name, technique) in [
+    let techniques = [
         ("opaque", Transparency::Opaque(Opaque::default())),
         ("counted", counted),
         ("lists", lists),
         ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
         ("dbk_buffer by a shift", by_shift),
-    ] {
+    ];
+    for (name, technique) in techniques {
         modules.push((
             format!("composite {name}"),
-            resolve_module(&technique, 3).and(&["common/fullscreen", "composite"]),
+            resolve_module(&technique, 3, None).and(&["common/fullscreen", "composite"]),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
-                resolve_module(&technique, 3)
+                resolve_module(&technique, 3, None)
                     .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
@@ -142,22 +216,39 @@ pub fn combinations() -> Vec<Combination> {
         modules.push((format!("scan, again {again}"), module));
     }
     for shadowed in [false, true] {
-        for model in variants() {
-            let name = format!(
-                "points {}, {:b}, shadowed {shadowed}",
-                model.stem(),
-                model.variant()
-            );
-            modules.push((name, points_module(shadowed, &model)));
+        for shader in shaders() {
+            let shader = Shader {
+                shadowed,
+                one_material: shadowed && shader.settings.is_some(),
+                ..shader
+            };
+            let name = format!("{}, {}, shadowed {shadowed}", shader.label, detail(&shader));
+            if shader.settings.is_some() {
+                modules.push((format!("points {name}"), shader.points_module()));
+            }
+            // Techniques are the same to all shaders of a model.
+            let usual = shader.settings.is_some() && shader.transmits && !shader.varies;
+            let techniques = if usual {
+                &techniques
+            } else {
+                &techniques[1..2]
+            };
+            for (technique_name, technique) in techniques {
+                let module = resolve_module(technique, 3, Some(&shader))
+                    .and(&["common/fullscreen", "composite"]);
+                modules.push((format!("composite {technique_name}, {name}"), module));
+            }
         }
     }
+    modules.push(("fibre_points".into(), gather_module()));
     for model in variants() {
-        let name = format!("evaluate {}, {:b}", model.stem(), model.variant());
+        let settings = model.settings(ShadingRate::Fragment);
+        let name = format!("evaluate {}, {settings:b}", model.stem());
         modules.push((name, evaluator::module(&model)));
-    }
-    for model in variants().iter().filter(|model| model.tables().is_some()) {
-        let name = format!("tables {}, {:b}", model.stem(), model.variant());
-        modules.push((name, tables::module(model)));
+        if model.tables().is_some() {
+            let name = format!("tables {}, {settings:b}", model.stem());
+            modules.push((name, tables::module(&model)));
+        }
     }
     modules.push(("track".into(), Module::new(&["common/track"])));
     for stem in [
@@ -245,17 +336,18 @@ pub fn layouts() -> Vec<Layout> {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
             segment_count, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
-            padding_0,
+            fibre_run, fibre_run_number, largest_radius, padding_0, padding_1,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, cut_depth, depth_shift, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
+            part_capacity, origin, cut_depth, depth_shift, fibre_runs, padding_0, padding_1, padding_2, lights, shadow_views,
         }
         Material { values }
-        Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand }
+        Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand, across, padding_0, padding_1 }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
         Gather {
@@ -287,6 +379,9 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("NO_PLACE", layout::NO_PLACE),
         ("OVERFLOW_WORDS", layout::OVERFLOW_WORDS as u32),
         ("SCAN_BLOCK", layout::SCAN_BLOCK),
+        ("MATERIAL_VECTORS", layout::MATERIAL_VECTORS as u32),
+        ("FIBRE_POINT_VECTORS", layout::FIBRE_POINT_VECTORS as u32),
+        ("FIBRE_RUN_VECTORS", layout::FIBRE_RUN_VECTORS as u32),
         ("ORDER_KEYS", layout::ORDER_KEYS as u32),
     ]
 }

@@ -41,7 +41,13 @@ struct Drawing {
     jitter_motion: vec2f,
     // The hair's place in the frame, and its instance in the upper 16 bits.
     hair: u32,
+    // Where per-fragment shading keeps the run's parameters, in vectors; the run's number; the hair's largest radius, in
+    // relative space.
+    fibre_run: u32,
+    fibre_run_number: u32,
+    largest_radius: f32,
     padding_0: u32,
+    padding_1: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -104,6 +110,11 @@ struct Frame {
     // DBK-buffer: optical depth beyond which nothing is stored, and the depth shift in host units where that decides.
     cut_depth: f32,
     depth_shift: f32,
+    // Where the runs' parameters begin among the points of per-fragment shading, in vectors.
+    fibre_runs: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }
@@ -112,9 +123,14 @@ const FRAME_REVERSE_Z: u32 = 1u;
 
 // The parameters of a hair's shading model, in the order in which its file reads them.
 struct Material {
-    values: array<vec4f, 16>,
+    values: array<vec4f, MATERIAL_VECTORS>,
 }
 
+const MATERIAL_VECTORS: u32 = 16u;
+
+// Vectors of a point, and of a run, in the pool of per-fragment shading.
+const FIBRE_POINT_VECTORS: u32 = 2u;
+const FIBRE_RUN_VECTORS: u32 = 17u;
 // A fibre and the ways to light and eye, of unit length, at which a model is evaluated by itself.
 struct Sample {
     tangent: vec3f,
@@ -127,6 +143,10 @@ struct Sample {
     fibres: f32,
     colour: vec3f,
     strand: u32,
+    // The part of the fibre's width that is seen.
+    across: vec2f,
+    padding_0: f32,
+    padding_1: f32,
 }
 
 // Counters of a frame, read back by the host some frames later.

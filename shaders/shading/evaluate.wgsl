@@ -6,7 +6,7 @@
 @group(1) @binding(2) var<storage, read> shading_tables: array<u32>;
 
 fn evaluate_fibre(sample: Sample) -> Fibre {
-    return Fibre(sample.tangent, sample.colour, sample.coordinate, sample.strand);
+    return Fibre(sample.tangent, sample.colour, sample.coordinate, sample.strand, sample.across);
 }
 
 @compute @workgroup_size(64)

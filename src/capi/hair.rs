@@ -521,7 +521,7 @@ pub extern "C" fn pelage_hair_set_opacity(hair: PelageHair, opacity: f32) -> Pel
     })
 }
 
-/// Sets a hair's shading model.
+/// Sets a hair's shading model, and where it is evaluated.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pelage_hair_set_shading(
     hair: PelageHair,
@@ -529,9 +529,10 @@ pub unsafe extern "C" fn pelage_hair_set_shading(
 ) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
-        let shading = unsafe { settings::shading("shading", shading) }?;
+        let (shading, rate) = unsafe { settings::shading("shading", shading) }?;
         hair.with(|hair, _| {
             hair.shading = shading;
+            hair.shading_rate = rate;
             Ok(())
         })
     })

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 
-use super::{Shading, tables};
+use super::{Shader, Shading, ShadingRate, tables};
 use crate::error::{Error, Result, invalid};
 use crate::gpu::{Allocation, Gpu, workgroups};
 use crate::layout;
@@ -34,10 +34,12 @@ pub struct Sample {
     pub transmittance: f32,
     /// Fibres towards the light, not negative: for dual scattering.
     pub fibres: f32,
+    /// The part of the fibre's width that is seen, from -1 to 1 across it: for Chiang's near field.
+    pub across: [f32; 2],
 }
 
 impl Sample {
-    /// A lit white fibre; the vectors as in the fields.
+    /// A lit white fibre, seen in all its width; the vectors as in the fields.
     pub fn lit(tangent: Vec3, to_light: Vec3, to_eye: Vec3) -> Self {
         Self {
             tangent,
@@ -48,6 +50,7 @@ impl Sample {
             strand: 0,
             transmittance: 1.0,
             fibres: 0.0,
+            across: [-1.0, 1.0],
         }
     }
 
@@ -61,6 +64,9 @@ impl Sample {
             fibres: self.fibres,
             colour: self.colour.into(),
             strand: self.strand,
+            across: self.across,
+            padding_0: 0.0,
+            padding_1: 0.0,
         }
     }
 }
@@ -69,7 +75,7 @@ impl Sample {
 /// device.
 pub struct Evaluator {
     gpu: Gpu,
-    pipelines: RefCell<HashMap<(Entry, &'static str, u32), wgpu::ComputePipeline>>,
+    pipelines: RefCell<HashMap<(Entry, Shader), wgpu::ComputePipeline>>,
 }
 
 /// An entry point.
@@ -92,7 +98,12 @@ impl Entry {
 
 /// The module that evaluates a model.
 pub(crate) fn module(model: &Shading) -> Module {
-    model.module(&["shadow/none", "shading/fibre_type", "shading/evaluate"])
+    shader(model).functions().and(&["shading/evaluate"])
+}
+
+/// The shader that it evaluates: a fragment's, since these have a near field.
+fn shader(model: &Shading) -> Shader {
+    Shader::of(model, ShadingRate::Fragment)
 }
 
 /// What one call binds.
@@ -117,7 +128,7 @@ impl Evaluator {
 
     /// The pipeline of an entry point for a model's settings.
     fn pipeline(&self, entry: Entry, model: &Shading) -> Result<wgpu::ComputePipeline> {
-        let key = (entry, model.stem(), model.variant());
+        let key = (entry, shader(model));
         if let Some(pipeline) = self.pipelines.borrow().get(&key) {
             return Ok(pipeline.clone());
         }
@@ -147,7 +158,7 @@ impl Evaluator {
     /// light, one value a sample.
     ///
     /// # Errors
-    /// A parameter out of range; no samples, or more than the device binds (64 bytes
+    /// A parameter out of range; no samples, or more than the device binds (80 bytes
     /// each); no memory; a lost device.
     pub fn scatter(&self, model: &Shading, samples: &[Sample]) -> Result<Vec<Vec3>> {
         self.run(Entry::Scatter, model, samples)
@@ -162,7 +173,7 @@ impl Evaluator {
     }
 
     /// Wall clock of as many evaluations of all samples by [`Evaluator::scatter`]'s shader, each submitted alone and waited
-    /// for, after one that is not counted. Reading and writing a sample's 80 bytes is part of it; making tables is not.
+    /// for, after one that is not counted. Reading and writing a sample's 96 bytes is part of it; making tables is not.
     ///
     /// # Errors
     /// As [`Evaluator::scatter`].
@@ -229,7 +240,8 @@ impl Evaluator {
 
         let (places, words, size) = tables::lay_out(&[*model], true);
         let mut material = model.material();
-        material.values[15] = places[0].map(f32::from_bits);
+        let [angles, azimuthal, size_of_table] = places[0];
+        material.values[15] = [angles, azimuthal, size_of_table, 0].map(f32::from_bits);
         let material = self
             .gpu
             .uniform("pelage.shading.material", bytemuck::bytes_of(&material))?;

@@ -12,11 +12,13 @@ pub mod marschner;
 pub mod sadeghi;
 pub mod scheuermann;
 pub(crate) mod tables;
+pub(crate) mod transmission;
 
 pub use chiang::Chiang;
 pub use evaluator::{Evaluator, Sample};
 pub use fibre::{
-    DualScattering, HairColour, Precision, Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
+    DualScattering, HairColour, Precision, RoughnessVariation, Tables, sigma_a_from_melanin,
+    sigma_a_from_reflectance,
 };
 pub use kajiya_kay::KajiyaKay;
 pub use marschner::{CausticRemoval, Marschner, Roots};
@@ -30,6 +32,18 @@ use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
 use crate::shadow;
+
+/// Where fibres are shaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum ShadingRate {
+    /// At strand points, once a view; a fragment's colour is interpolated along its segment (Kim §5). 8 bytes a point.
+    #[default]
+    Point,
+    /// At each fragment that the transparency technique keeps, at its own position: its own tangent, shadow and model. For
+    /// strands of few points, narrow lobes and fine shadows. 32 bytes a point. What has overflowed the fragment pool takes the mean
+    /// colour of three of its fragments.
+    Fragment,
+}
 
 /// A shading model with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,54 +125,31 @@ impl Shading {
         }
     }
 
-    /// The settings for which the model's shaders are compiled: drivers that run on a CPU take both sides of every branch, so
-    /// what no setting uses is left out.
-    fn specialisation(&self) -> [(&'static str, bool); 5] {
+    /// The bits of [`SETTINGS`] that are set.
+    pub(crate) fn settings(&self, rate: ShadingRate) -> u32 {
         let tables = self.tables();
         let marschner = match self {
             Self::Marschner(model) => Some(model),
             _ => None,
         };
-        [
-            ("FIBRE_TABLES", tables.is_some()),
-            (
-                "FIBRE_TABLE_F16",
-                tables.is_some_and(|t| t.precision == Precision::F16),
-            ),
-            ("FIBRE_DUAL", self.dual_scattering().is_some()),
-            (
-                "MARSCHNER_ELLIPTIC",
-                marschner.is_some_and(|m| m.eccentricity != 1.0),
-            ),
-            (
-                "MARSCHNER_CUBIC",
-                marschner.is_some_and(|m| m.roots == Roots::Cubic),
-            ),
-        ]
-    }
-
-    /// Those settings as bits.
-    pub(crate) fn variant(&self) -> u32 {
-        let flags = self.specialisation().into_iter().enumerate();
-        flags
-            .map(|(bit, (_, is_set))| u32::from(is_set) << bit)
-            .sum()
-    }
-
-    /// These files and the model's own, compiled for its settings.
-    pub(crate) fn module(&self, files: &[&'static str]) -> Module {
-        let module = Module::new(files).and(self.points().1);
-        let constants = self.specialisation().into_iter();
-        constants.fold(module, |module, (name, value)| {
-            module.with(name, Constant::Bool(value))
-        })
+        let is_set = [
+            tables.is_some(),
+            tables.is_some_and(|t| t.precision == Precision::F16),
+            self.dual_scattering().is_some(),
+            marschner.is_some_and(|m| m.eccentricity != 1.0),
+            marschner.is_some_and(|m| m.roots == Roots::Cubic),
+            rate == ShadingRate::Fragment
+                && matches!(self, Self::Chiang(model) if model.near_field),
+        ];
+        let bits = is_set.into_iter().enumerate();
+        bits.map(|(bit, is_set)| u32::from(is_set) << bit).sum()
     }
 
     /// Tables of azimuthal functions, where the model is to be read from them.
     pub(crate) fn tables(&self) -> Option<Tables> {
         match self {
             Self::Marschner(model) => model.tables,
-            Self::Chiang(model) => model.tables,
+            Self::Chiang(model) => model.tables.filter(|_| !model.roughness.varies()),
             Self::KajiyaKay(_) | Self::Scheuermann(_) | Self::Sadeghi(_) => None,
         }
     }
@@ -170,6 +161,29 @@ impl Shading {
             Self::Chiang(_) => Some(chiang::TABLES),
             Self::KajiyaKay(_) | Self::Scheuermann(_) | Self::Sadeghi(_) => None,
         }
+    }
+
+    /// Whether roughness varies between or along strands.
+    fn varies(&self) -> bool {
+        match self {
+            Self::Marschner(model) => model.roughness.varies(),
+            Self::Sadeghi(model) => model.roughness.varies(),
+            Self::Chiang(model) => model.roughness.varies(),
+            Self::KajiyaKay(_) | Self::Scheuermann(_) => false,
+        }
+    }
+
+    /// The TT lobe and the radiance by which leaving it out may change a fibre, where it may be left out at all.
+    pub(crate) fn transmission(&self) -> Option<(transmission::Lobe, f32)> {
+        let (lobe, tolerance) = match self {
+            Self::Marschner(model) => (model.transmission(), model.lobe_tolerance),
+            Self::Sadeghi(model) => (model.transmission(), model.lobe_tolerance),
+            Self::Chiang(model) => (model.transmission(), model.lobe_tolerance),
+            Self::KajiyaKay(_) | Self::Scheuermann(_) => return None,
+        };
+        let single = self.dual_scattering().is_none() && !self.varies();
+        let lobe = lobe.filter(|_| single && tolerance > 0.0)?;
+        Some((lobe, tolerance))
     }
 
     pub(crate) fn dual_scattering(&self) -> Option<DualScattering> {
@@ -202,40 +216,157 @@ impl Shading {
     }
 }
 
-/// The module that shades points.
-pub(crate) fn points_module(shadowed: bool, shading: &Shading) -> Module {
-    let look_up = shadow::look_up(shadowed).iter();
-    let points = ["shading/fibre_type", "shading/points"];
-    let files: Vec<_> = look_up.copied().chain(points).collect();
-    shading.module(&files)
+/// The settings for which a model's shaders are compiled, bit by bit: drivers that run on a CPU take both sides of every
+/// branch, so what no setting uses is left out. `shading/settings` reads the bits where hairs shaded by one module differ.
+const SETTINGS: [&str; 6] = [
+    "FIBRE_TABLES",
+    "FIBRE_TABLE_F16",
+    "FIBRE_DUAL",
+    "MARSCHNER_ELLIPTIC",
+    "MARSCHNER_CUBIC",
+    "NEAR",
+];
+
+/// The shaders of a hair, or of all hairs of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Shader {
+    /// The label of the pass that shades points.
+    pub label: &'static str,
+    /// The model's files.
+    pub files: &'static [&'static str],
+    pub rate: ShadingRate,
+    /// Whether any light has a map.
+    pub shadowed: bool,
+    /// Whether all hairs have the same parameters.
+    pub one_material: bool,
+    /// Whether any hair's roughness varies.
+    pub varies: bool,
+    /// Whether light goes through fibres: the TT lobe.
+    pub transmits: bool,
+    /// The bits of [`SETTINGS`] that all hairs have; `None`: each has its own.
+    pub settings: Option<u32>,
 }
 
-/// Shades every strand point for the view.
+impl Shader {
+    pub fn of(shading: &Shading, rate: ShadingRate) -> Self {
+        let (label, files) = shading.points();
+        Self {
+            label,
+            files,
+            rate,
+            shadowed: false,
+            one_material: true,
+            varies: shading.varies(),
+            transmits: true,
+            settings: Some(shading.settings(rate)),
+        }
+    }
+
+    /// What tells its pipelines for points apart.
+    fn variant(&self) -> u32 {
+        u32::from(self.shadowed)
+            | u32::from(self.varies) << 1
+            | u32::from(!self.transmits) << 2
+            | self.settings.unwrap_or_default() << 3
+    }
+
+    /// The module's constants.
+    fn constants(&self) -> Module {
+        let module = Module::default()
+            .with("VARIES", Constant::Bool(self.varies))
+            .with("TRANSMITS", Constant::Bool(self.transmits));
+        let Some(bits) = self.settings else {
+            return module;
+        };
+        let names = SETTINGS.into_iter().enumerate();
+        names.fold(module, |module, (bit, name)| {
+            module.with(name, Constant::Bool(bits >> bit & 1 == 1))
+        })
+    }
+
+    /// The shader, where fragments are what it shades.
+    pub fn of_fragments(self) -> Option<Self> {
+        (self.rate == ShadingRate::Fragment).then_some(self)
+    }
+
+    /// The files of the model and of what it is called by.
+    fn model(&self) -> Module {
+        self.constants()
+            .and(shadow::look_up(self.shadowed))
+            .and(&["shading/fibre_type", "shading/radiance"])
+            .and(self.files)
+    }
+
+    /// The model's functions alone, of the material that is bound and without shadows.
+    pub fn functions(&self) -> Module {
+        self.constants()
+            .and(&["shadow/none", "shading/fibre_type", "shading/material"])
+            .and(self.files)
+    }
+
+    /// The module that shades points.
+    pub fn points_module(&self) -> Module {
+        self.model().and(&[
+            "shading/material",
+            "shading/points_common",
+            "shading/points",
+        ])
+    }
+
+    /// The files that supply `shaded_colour(point, along)` to a resolve.
+    pub fn fragments_module(&self) -> Module {
+        let settings = match self.settings {
+            Some(_) => "shading/settings_alike",
+            None => "shading/settings",
+        };
+        self.model()
+            .and(&[settings, "shading/fragments"])
+            .with("ONE_MATERIAL", Constant::Bool(self.one_material))
+    }
+}
+
+/// The module that gathers what shading at fragments asks of the points.
+pub(crate) fn gather_module() -> Module {
+    Module::new(&["shading/points_common", "shading/fibre_points"])
+}
+
+/// Shades every strand point for the view, or gathers what shading at fragments asks of them.
 pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
     tables::record(gpu, passes, bound, plan)?;
-    let (label, _) = plan.shading;
     let groups = [Group::Frame, Group::Shade, Group::MapsRead];
+    let rate = plan.shader.rate;
+    let label = match rate {
+        ShadingRate::Point => plan.shader.label,
+        ShadingRate::Fragment => "pelage.shading.fibre_points",
+    };
     let mut pipelines = Vec::with_capacity(plan.runs.len());
     for run in &plan.runs {
-        let shading = &plan.shadings[run.hair];
-        let key = PipelineKey {
-            variant: u32::from(plan.shadowed) | shading.variant() << 1,
-            ..PipelineKey::new(label)
+        let pipeline = match rate {
+            ShadingRate::Point => {
+                let shader = plan.shader_of(run.hair);
+                let key = PipelineKey {
+                    variant: shader.variant(),
+                    ..PipelineKey::new(label)
+                };
+                gpu.compute(key, "shade_points", &groups, || shader.points_module())?
+            }
+            ShadingRate::Fragment => {
+                let key = PipelineKey::new(label);
+                gpu.compute(key, "gather_fibre_points", &groups, gather_module)?
+            }
         };
-        pipelines.push(gpu.compute(key, "shade_points", &groups, || {
-            points_module(plan.shadowed, shading)
-        })?);
+        pipelines.push(pipeline);
     }
     passes.compute(label, |pass| {
-        for (number, ((run, drawing), groups)) in plan
+        pass.set_bind_group(2, bound.maps_read, &[]);
+        for (((run, pipeline), drawing), groups) in plan
             .runs
             .iter()
+            .zip(&pipelines)
             .zip(&plan.bands[0].drawings)
             .zip(bound.runs)
-            .enumerate()
         {
-            pass.set_pipeline(&pipelines[number]);
-            pass.set_bind_group(2, bound.maps_read, &[]);
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
             pass.set_bind_group(1, &groups.shade, &[]);
             let (x, y) = workgroups(run.run.count);

@@ -1,22 +1,22 @@
 //! The tables of a frame's models: made when a model's parameters change, in a new buffer, so that frames recorded before
 //! keep theirs; none where no model in use needs one.
 
-use super::Shading;
+use super::{Shader, Shading, ShadingRate};
 use crate::error::{Error, Result};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::Plan;
 use crate::resources::{Bound, RING};
 use crate::shader::Module;
 
-/// Where a model's tables begin, in words: by one inclination, azimuthal; their size; 0.
-pub(crate) type Place = [u32; 4];
+/// Where a model's tables begin, in words: by one inclination, azimuthal; and their size.
+pub(crate) type Place = [u32; 3];
 
 /// Where each model's tables lie, the words that the host writes, and the number of all words.
 pub(crate) fn lay_out(models: &[Shading], ambient: bool) -> (Vec<Place>, Vec<f32>, u64) {
     let mut words: Vec<f32> = Vec::new();
     let mut places = Vec::new();
     for model in models {
-        let mut place = [0; 4];
+        let mut place = [0; 3];
         if model.needs_angles(ambient) {
             place[0] = words.len() as u32;
             words.extend(model.angles());
@@ -152,7 +152,12 @@ impl Held {
 
 /// The module that fills a model's tables.
 pub(crate) fn module(shading: &Shading) -> Module {
-    shading.module(&["shadow/none", "shading/fibre_type", "shading/tables"])
+    let shader = Shader {
+        // Nothing that roughness changes is in a table.
+        varies: false,
+        ..Shader::of(shading, ShadingRate::Point)
+    };
+    shader.functions().and(&["shading/tables"])
 }
 
 /// Entries of a model's tables: one table, or with dual scattering two.
@@ -180,7 +185,7 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
             continue;
         }
         let key = PipelineKey {
-            variant: shading.variant(),
+            variant: shading.settings(ShadingRate::Point),
             ..PipelineKey::new(label)
         };
         let groups = [Group::Frame, Group::TablesWritten];

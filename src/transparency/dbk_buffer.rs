@@ -18,8 +18,9 @@ use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission, Raster, Rasteriser};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::shading::Shader;
 use crate::transparency::a_buffer::{self, Store, scan_words, validate_pool};
-use crate::transparency::{Fragments, Needs};
+use crate::transparency::{Fragments, Needs, tail};
 
 const BINS: Emission = Emission {
     label: "pelage.transparency.dbk_buffer.bins",
@@ -29,6 +30,7 @@ const BINS: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/tail_sums_emit",
         "transparency/dbk_buffer_common",
         "transparency/a_buffer_store",
         "transparency/dbk_buffer_emit",
@@ -399,7 +401,11 @@ pub(crate) fn pixels_module() -> Module {
 }
 
 /// The files that supply `resolve(pixel)`.
-pub(crate) fn resolve_module(common: Module, settings: &DbkBuffer) -> Module {
+pub(crate) fn resolve_module(
+    common: Module,
+    settings: &DbkBuffer,
+    shader: Option<&Shader>,
+) -> Module {
     let beyond: &[&'static str] = if settings.depth_shift.is_some() {
         &[
             "transparency/dbk_buffer_common",
@@ -409,7 +415,7 @@ pub(crate) fn resolve_module(common: Module, settings: &DbkBuffer) -> Module {
         &["transparency/a_buffer_whole"]
     };
     common
-        .and(&["transparency/overflow"])
+        .and(&["transparency/overflow", tail(shader)])
         .and(beyond)
         .and(&["transparency/a_buffer"])
         .with("LISTS", Constant::Bool(false))

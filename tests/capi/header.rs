@@ -237,7 +237,16 @@ fn initialisers() -> String {
         "PELAGE_TRANSPARENCY_INIT",
         technique,
         opaque,
-        a_buffer
+        a_buffer,
+        dbk_buffer
+    );
+    initialiser!(
+        PelageDbkBuffer,
+        "PELAGE_DBK_BUFFER_INIT",
+        epsilon,
+        depth_shift,
+        raster,
+        pool_bytes
     );
     initialiser!(
         PelageView,

@@ -14,6 +14,11 @@ pub struct Case {
     pub wo: DVec3,
     /// Fibres towards the light; the light that comes straight is e^-fibres.
     pub fibres: f64,
+    pub strand: u32,
+    /// Root-to-tip coordinate.
+    pub coordinate: f64,
+    /// The part of the fibre's width that is seen.
+    pub across: [f64; 2],
 }
 
 /// The fibre's tangent and the first axis of its section, far from any axis of space.
@@ -51,6 +56,9 @@ pub fn case(theta_i: f64, theta_o: f64, phi: f64) -> Case {
         wi: direction(theta_i, 0.2),
         wo: direction(theta_o, 0.2 + phi),
         fibres: 0.0,
+        strand: 0,
+        coordinate: 0.0,
+        across: [-1.0, 1.0],
     }
 }
 
@@ -122,6 +130,9 @@ impl Evaluator {
         let sample = |case: &Case| Sample {
             transmittance: (-case.fibres).exp() as f32,
             fibres: case.fibres as f32,
+            strand: case.strand,
+            coordinate: case.coordinate as f32,
+            across: case.across.map(|h| h as f32),
             ..Sample::lit(case.tangent.as_vec3(), case.wi.as_vec3(), case.wo.as_vec3())
         };
         let samples: Vec<Sample> = cases.iter().map(sample).collect();

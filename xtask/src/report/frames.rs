@@ -1,6 +1,7 @@
 //! Whole frames of every shading model in one run: they take turns, so that whatever else the machine does meets all alike.
 
 use indicatif::ProgressBar;
+use pelage::shading::ShadingRate;
 
 use super::ladder::{Case, Scene};
 use super::measure::{Bench, row, spread};
@@ -10,6 +11,11 @@ use crate::Result;
 
 /// Rounds that are timed.
 const ROUNDS: usize = 9;
+
+/// Whether fibres are shaded in passes of their own: fragments are where they are composited.
+fn has_passes(case: &Case) -> bool {
+    case.rate != Some(ShadingRate::Fragment)
+}
 
 /// Measures all cases; ratios are to the first.
 pub fn measure(
@@ -33,7 +39,9 @@ pub fn measure(
             frames[at].push(bench.render(case.shadow, case.transparency)?);
         }
         for (at, (bench, case)) in benches.iter_mut().zip(cases).enumerate() {
-            shading[at].push(bench.pass_time(case, "pelage.shading.")?);
+            if has_passes(case) {
+                shading[at].push(bench.pass_time(case, "pelage.shading.")?);
+            }
         }
     }
     let first = frames[0].clone();
@@ -46,7 +54,7 @@ pub fn measure(
         let bytes = bench.bytes();
         rows.push(Row {
             ratio: Some(spread(ratios)),
-            shading_ms: Some(spread(shading[at].clone())),
+            shading_ms: has_passes(case).then(|| spread(shading[at].clone())),
             bytes,
             ..row(
                 scene,

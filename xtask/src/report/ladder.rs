@@ -7,7 +7,7 @@ use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
 use pelage::shading::{
     Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
-    Tables,
+    ShadingRate, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
@@ -88,6 +88,8 @@ pub struct Case {
     pub shadow: Shadow,
     /// The transparency technique.
     pub transparency: Transparency,
+    /// Where the model is evaluated, in cases that compare rates: a picture's truth is then shaded at fragments.
+    pub rate: Option<ShadingRate>,
     /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
     pub pool: Option<f64>,
 }
@@ -115,6 +117,9 @@ impl Case {
             map.shift_remove("technique");
             map.shift_remove("model");
             map.retain(|_, value| !value.is_null());
+            if let Some(rate) = self.rate {
+                map.insert("rate".into(), techniques::rate_setting(rate));
+            }
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
             }
@@ -228,30 +233,49 @@ fn fibre_models(steps: &Steps) -> Vec<Shading> {
     models
 }
 
-/// Every model as a host has it without asking for more, and directly, where it has tables; the first is that to which all
-/// are held. `dual`: with light that other fibres have scattered.
-fn frame_models(dual: bool) -> Vec<Shading> {
-    let dual_scattering = dual.then(DualScattering::default);
-    let mut models = vec![white(0.09, 60.0)];
-    if !dual {
-        models.push(Shading::Scheuermann(Scheuermann::default()));
-    }
-    for tables in [Some(Tables::default()), None] {
-        models.push(Shading::Marschner(Marschner {
+/// Where a model may be evaluated.
+const RATES: [ShadingRate; 2] = [ShadingRate::Point, ShadingRate::Fragment];
+
+/// The models that are measured at both rates: the cheapest, and two through tables of the usual size.
+fn rated_models(dual_scattering: Option<DualScattering>) -> [Shading; 3] {
+    let tables = Some(Tables::default());
+    [
+        white(0.09, 60.0),
+        Shading::Marschner(Marschner {
             dual_scattering,
             ..marschner(tables)
-        }));
-    }
-    models.push(Shading::Sadeghi(Sadeghi {
-        dual_scattering,
-        ..sadeghi(true)
-    }));
-    for tables in [Some(Tables::default()), None] {
-        models.push(Shading::Chiang(Chiang {
+        }),
+        Shading::Chiang(Chiang {
             dual_scattering,
             ..chiang(tables)
-        }));
+        }),
+    ]
+}
+
+/// Every model as a host has it without asking for more, and directly, where it has tables; the first is that to which all
+/// are held. With `dual_scattering` those that have it.
+fn frame_models(dual_scattering: Option<DualScattering>) -> Vec<Shading> {
+    let [kajiya_kay, by_tables, chiang_by_tables] = rated_models(dual_scattering);
+    let mut models = vec![kajiya_kay];
+    if dual_scattering.is_none() {
+        models.push(Shading::Scheuermann(Scheuermann::default()));
     }
+    models.extend([
+        by_tables,
+        Shading::Marschner(Marschner {
+            dual_scattering,
+            ..marschner(None)
+        }),
+        Shading::Sadeghi(Sadeghi {
+            dual_scattering,
+            ..sadeghi(true)
+        }),
+        chiang_by_tables,
+        Shading::Chiang(Chiang {
+            dual_scattering,
+            ..chiang(None)
+        }),
+    ]);
     models
 }
 
@@ -262,6 +286,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
         shading: white(0.09, 60.0),
         shadow: Shadow::None,
         transparency: Transparency::Opaque(Opaque::default()),
+        rate: None,
         pool: None,
     };
     let mut cases = Vec::new();
@@ -271,33 +296,43 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
+    let opaque = |group, shading, shadow, rate| Case {
+        group,
+        shading,
+        shadow,
+        rate,
+        ..base.clone()
+    };
     cases.extend(
         fibre_models(&PICTURE_STEPS)
             .into_iter()
-            .map(|shading| Case {
-                shading,
-                ..base.clone()
-            }),
+            .map(|shading| opaque(Group::Shading, shading, Shadow::None, None)),
     );
+    for shading in rated_models(None) {
+        cases.extend(RATES.map(|rate| opaque(Group::Shading, shading, Shadow::None, Some(rate))));
+    }
     cases.extend(
         std::iter::once(base.shading)
             .chain(fibre_models(&SAMPLE_STEPS))
-            .map(|shading| Case {
-                group: Group::Samples,
-                shading,
-                ..base.clone()
-            }),
+            .map(|shading| opaque(Group::Samples, shading, Shadow::None, None)),
     );
     for (dual, shadow) in [
-        (false, Shadow::None),
-        (true, Shadow::DeepOpacityMap(DeepOpacityMap::default())),
+        (None, Shadow::None),
+        (
+            Some(DualScattering::default()),
+            Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        ),
     ] {
-        cases.extend(frame_models(dual).into_iter().map(|shading| Case {
-            group: Group::Frames,
-            shading,
-            shadow,
-            ..base.clone()
-        }));
+        for shading in frame_models(dual) {
+            let rates = RATES.map(Some);
+            let rates = if rated_models(dual).contains(&shading) {
+                &rates[..]
+            } else {
+                &rates[..1]
+            };
+            let rated = |rate: &Option<ShadingRate>| opaque(Group::Frames, shading, shadow, *rate);
+            cases.extend(rates.iter().map(rated));
+        }
     }
     let resolutions: &[u32] = if quick {
         &[256, 512]

@@ -47,7 +47,7 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
             (error, Some(image_error))
         }
         Group::Shading => (
-            bench.image_error(&case, &truth.nearest(&case.shading)?)?,
+            bench.image_error(&case, &truth.nearest(&case.shading, case.rate.is_some())?)?,
             None,
         ),
         _ => (bench.image_error(&case, truth.exact(&case.shading)?)?, None),
@@ -149,6 +149,7 @@ impl<'a> Bench<'a> {
             .map_err(sentence)?;
         hair.opacity = scene.opacity;
         hair.shading = case.shading;
+        hair.shading_rate = case.rate.unwrap_or_default();
         Ok(Self {
             offscreen,
             image,

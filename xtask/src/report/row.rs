@@ -37,7 +37,7 @@ pub struct Row {
     /// For frames, the time over that of the same round's first model.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub ratio: Option<Times>,
-    /// For frames, time of the shading passes submitted alone, in milliseconds.
+    /// For frames shaded at points, time of the shading passes submitted alone, in milliseconds.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub shading_ms: Option<Times>,
     /// GPU memory of the frame: the geometry's and the techniques'; for samples the tables' alone.

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::plots;
-use super::row::{Error, Row, Times};
+use super::row::{Error, Row};
 use crate::Result;
 
 const HEADING: &str = "# Error, time and memory
@@ -21,10 +21,12 @@ of white.
   over a disc of half a pixel's size; time of the light's passes, each submitted alone. \"Picture\" is the error of the shaded
   nearest fragments.
 - **Samples**: each model by itself over the groom's strand points: the least nanoseconds a sample, of 2¹⁸ in a dispatch and up to 40 dispatches, with reading and
-  writing a sample's 80 bytes; errors against the exact model, of the root of its mean square. MB are the tables' alone.
+  writing a sample's 96 bytes; errors against the exact model, of the root of its mean square. MB are the tables' alone. At points and at
+  fragments the models are the same; what differs is how many there are.
 - **Frames**: whole frames of all models, which take turns; ratios are those to Kajiya-Kay's frame of the same round; the shading
-  passes submitted alone. `chiang` and `marschner` come through tables of the default size, and directly.
-- **Shading**: the nearest fragments' picture against the reference's, without shadows; time of the whole frame.
+  passes submitted alone, but at `rate` fragment, where the resolve shades. `chiang` and `marschner` come through tables of the default size, and directly.
+- **Shading**: the nearest fragments' picture against the reference's, without shadows; time of the whole frame. Where a row
+  names its `rate`, the reference is shaded at fragments, else at strand points.
 - ꟻLIP is the mean over the whole picture, on mid-grey. Memory is all of the library's on the device: geometry too.
 - `pool_part` 0.1 is a fragment pool a tenth of what all fragments need: the rest is merged.
 
@@ -132,16 +134,17 @@ fn sample_table(rows: &[&Row]) -> String {
 fn frame_table(rows: &[&Row]) -> String {
     let mut text = "| technique | settings | ms, median (min) | of Kajiya-Kay's | shading passes, ms | MB |\n|---|---|---|---|---|---|\n".to_owned();
     for row in rows {
-        let median = |times: Option<Times>| times.map_or(f64::NAN, |times| times.median);
+        let passes = row
+            .shading_ms
+            .map_or("–".into(), |times| format!("{:.1}", times.median));
         writeln!(
             text,
-            "| `{}` | {} | {:.1} ({:.1}) | {:.2} | {:.1} | {:.1} |",
+            "| `{}` | {} | {:.1} ({:.1}) | {:.2} | {passes} | {:.1} |",
             row.technique,
             settings(&row.settings),
             row.ms.median,
             row.ms.min,
-            median(row.ratio),
-            median(row.shading_ms),
+            row.ratio.map_or(f64::NAN, |times| times.median),
             row.bytes as f64 / 1e6,
         )
         .ok();
