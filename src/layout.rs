@@ -124,6 +124,22 @@ pub struct Material {
 }
 
 #[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+pub struct Sample {
+    pub tangent: [f32; 3],
+    pub coordinate: f32,
+    pub to_light: [f32; 3],
+    pub transmittance: f32,
+    pub to_eye: [f32; 3],
+    pub fibres: f32,
+    pub colour: [f32; 3],
+    pub strand: u32,
+    pub across: [f32; 2],
+    pub padding_0: f32,
+    pub padding_1: f32,
+}
+
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct Counters {
     pub produced: u32,

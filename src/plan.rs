@@ -348,12 +348,24 @@ impl Plan {
         offset as u32
     }
 
-    /// Writes where a hair's model has its tables.
+    /// The shader of one hair by itself.
+    pub fn shader_of(&self, hair: usize) -> Shader {
+        Shader {
+            shadowed: self.shader.shadowed,
+            transmits: self.shader.transmits,
+            ..Shader::of(&self.shadings[hair], self.shader.rate)
+        }
+    }
+
+    /// Writes where a hair's model has its tables, and its settings.
     pub fn set_tables(&mut self, hair: usize, place: crate::shading::tables::Place) {
+        let [angles, azimuthal, size] = place;
+        let settings = self.shadings[hair].settings(self.shader.rate);
+        let words = [angles, azimuthal, size, settings];
         let at = self.materials[hair] as usize + std::mem::offset_of!(layout::Material, values);
         let last = at + 15 * size_of::<[f32; 4]>();
-        self.uniforms[last..last + size_of_val(&place)]
-            .copy_from_slice(bytemuck::cast_slice(&place));
+        self.uniforms[last..last + size_of_val(&words)]
+            .copy_from_slice(bytemuck::cast_slice(&words));
     }
 
     /// Leaves the TT lobe out where its bound is within every hair's tolerance.
@@ -771,7 +783,9 @@ fn one_shader(frame: &Frame) -> Result<Shader> {
         let own = Shader::of(&hair.shading, hair.shading_rate);
         shader.one_material &= hair.shading == first.shading;
         shader.varies |= own.varies;
-        shader.near |= own.near;
+        if own.settings != shader.settings {
+            shader.settings = None;
+        }
     }
     Ok(shader)
 }

@@ -7,8 +7,9 @@ use std::mem::offset_of;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
-    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shader, Shading, ShadingRate,
-    gather_module, tables, transmission,
+    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, RoughnessVariation, Sadeghi,
+    Scheuermann, Shader, Shading, ShadingRate, Tables, evaluator, gather_module, tables,
+    transmission,
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
@@ -33,6 +34,87 @@ pub fn models() -> [Shading; 5] {
     ]
 }
 
+/// Every model with each of its settings that has shaders of its own.
+fn variants() -> Vec<Shading> {
+    let mut variants = models().to_vec();
+    let dual_scattering = Some(DualScattering::default());
+    let marschner = Marschner {
+        dual_scattering,
+        tables: None,
+        ..Marschner::default()
+    };
+    for roots in [Roots::Exact, Roots::Cubic] {
+        for eccentricity in [1.0, 0.9] {
+            variants.push(Shading::Marschner(Marschner {
+                roots,
+                eccentricity,
+                ..marschner
+            }));
+        }
+    }
+    variants.push(Shading::Sadeghi(Sadeghi {
+        dual_scattering,
+        ..Sadeghi::default()
+    }));
+    for precision in [None, Some(Precision::F32), Some(Precision::F16)] {
+        variants.push(Shading::Chiang(Chiang {
+            dual_scattering,
+            tables: precision.map(|precision| Tables {
+                precision,
+                ..Tables::default()
+            }),
+            ..Chiang::default()
+        }));
+    }
+    let roughness = RoughnessVariation {
+        strand: 0.5,
+        tip: 1.0,
+    };
+    variants.push(Shading::Marschner(Marschner {
+        roughness,
+        ..Marschner::default()
+    }));
+    variants.push(Shading::Sadeghi(Sadeghi {
+        roughness,
+        ..Sadeghi::default()
+    }));
+    variants.push(Shading::Chiang(Chiang {
+        roughness,
+        near_field: true,
+        ..Chiang::default()
+    }));
+    variants
+}
+
+/// The shaders of all these, those without TT, and those of hairs that differ in their settings.
+fn shaders() -> Vec<Shader> {
+    let of = |shading: &Shading| Shader::of(shading, ShadingRate::Fragment);
+    let mut shaders: Vec<Shader> = variants().iter().map(of).collect();
+    for model in models() {
+        shaders.push(Shader {
+            transmits: false,
+            ..of(&model)
+        });
+        shaders.push(Shader {
+            varies: true,
+            settings: None,
+            ..of(&model)
+        });
+    }
+    shaders
+}
+
+/// What tells the shaders of one model apart.
+fn detail(shader: &Shader) -> String {
+    let settings = shader
+        .settings
+        .map_or("of each hair".into(), |bits| format!("{bits:b}"));
+    let Shader {
+        varies, transmits, ..
+    } = shader;
+    format!("settings {settings}, varies {varies}, transmits {transmits}")
+}
+
 /// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
 pub fn shading_source(shading: &Shading) -> String {
     Shader::of(shading, ShadingRate::Fragment)
@@ -41,13 +123,8 @@ pub fn shading_source(shading: &Shading) -> String {
         .source
 }
 
-/// The pass that fills a model's tables, entry `shading_tabulate`; groups 0 (binding 2: material) and 1 (binding 0: tables).
-pub fn tables_source(shading: &Shading) -> String {
-    tables::module(shading.points().1).join().source
-}
-
 /// The tables of one model as a frame would place them: the place, the words that the host writes, and how many there are.
-pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) {
+pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 3], Vec<f32>, u64) {
     let (places, words, size) = tables::lay_out(&[*shading], ambient);
     (places[0], words, size)
 }
@@ -139,15 +216,24 @@ pub fn combinations() -> Vec<Combination> {
         modules.push((format!("scan, again {again}"), module));
     }
     for shadowed in [false, true] {
-        for model in models() {
+        for shader in shaders() {
             let shader = Shader {
                 shadowed,
-                one_material: shadowed,
-                ..Shader::of(&model, ShadingRate::Fragment)
+                one_material: shadowed && shader.settings.is_some(),
+                ..shader
             };
-            let name = format!("{}, shadowed {shadowed}", model.stem());
-            modules.push((format!("points {name}"), shader.points_module()));
-            for (technique_name, technique) in &techniques {
+            let name = format!("{}, {}, shadowed {shadowed}", shader.label, detail(&shader));
+            if shader.settings.is_some() {
+                modules.push((format!("points {name}"), shader.points_module()));
+            }
+            // Techniques are the same to all shaders of a model.
+            let usual = shader.settings.is_some() && shader.transmits && !shader.varies;
+            let techniques = if usual {
+                &techniques
+            } else {
+                &techniques[1..2]
+            };
+            for (technique_name, technique) in techniques {
                 let module = resolve_module(technique, 3, Some(&shader))
                     .and(&["common/fullscreen", "composite"]);
                 modules.push((format!("composite {technique_name}, {name}"), module));
@@ -155,9 +241,14 @@ pub fn combinations() -> Vec<Combination> {
         }
     }
     modules.push(("fibre_points".into(), gather_module()));
-    for model in models().iter().filter(|model| model.tables().is_some()) {
-        let name = format!("tables {}", model.stem());
-        modules.push((name, tables::module(model.points().1)));
+    for model in variants() {
+        let settings = model.settings(ShadingRate::Fragment);
+        let name = format!("evaluate {}, {settings:b}", model.stem());
+        modules.push((name, evaluator::module(&model)));
+        if model.tables().is_some() {
+            let name = format!("tables {}, {settings:b}", model.stem());
+            modules.push((name, tables::module(&model)));
+        }
     }
     modules.push(("track".into(), Module::new(&["common/track"])));
     for stem in [
@@ -256,6 +347,7 @@ pub fn layouts() -> Vec<Layout> {
             part_capacity, origin, cut_depth, depth_shift, fibre_runs, padding_0, padding_1, padding_2, lights, shadow_views,
         }
         Material { values }
+        Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand, across, padding_0, padding_1 }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
         Gather {

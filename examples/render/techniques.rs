@@ -169,12 +169,16 @@ struct ScheuermannKeys {
     secondary: HighlightKeys,
 }
 
-/// `true`, `false`, or the densities.
+/// `true`, `false`, or the densities, and how disordered the hair is.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 #[serde(untagged)]
 enum DualScatteringKey {
     Switch(bool),
-    Densities { forward: f32, backward: f32 },
+    Densities {
+        forward: f32,
+        backward: f32,
+        disorder: Option<f32>,
+    },
 }
 
 impl Default for DualScatteringKey {
@@ -187,7 +191,15 @@ impl DualScatteringKey {
     fn dual_scattering(self) -> Option<DualScattering> {
         match self {
             Self::Switch(on) => on.then(DualScattering::default),
-            Self::Densities { forward, backward } => Some(DualScattering { forward, backward }),
+            Self::Densities {
+                forward,
+                backward,
+                disorder,
+            } => Some(DualScattering {
+                forward,
+                backward,
+                disorder: disorder.unwrap_or(DualScattering::default().disorder),
+            }),
         }
     }
 }
@@ -700,10 +712,13 @@ fn roughness_settings(roughness: RoughnessVariation) -> Value {
 }
 
 fn dual_settings(dual: Option<DualScattering>) -> Value {
-    dual.map_or(
-        false.into(),
-        |dual| json!({ "forward": number(dual.forward), "backward": number(dual.backward) }),
-    )
+    dual.map_or(false.into(), |dual| {
+        json!({
+            "forward": number(dual.forward),
+            "backward": number(dual.backward),
+            "disorder": number(dual.disorder),
+        })
+    })
 }
 
 /// A shadow technique as its group of a scene file.

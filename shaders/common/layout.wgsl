@@ -131,6 +131,23 @@ const MATERIAL_VECTORS: u32 = 16u;
 // Vectors of a point, and of a run, in the pool of per-fragment shading.
 const FIBRE_POINT_VECTORS: u32 = 2u;
 const FIBRE_RUN_VECTORS: u32 = 17u;
+// A fibre and the ways to light and eye, of unit length, at which a model is evaluated by itself.
+struct Sample {
+    tangent: vec3f,
+    // Root-to-tip coordinate.
+    coordinate: f32,
+    to_light: vec3f,
+    // Of the light that comes straight, and how many fibres are towards it.
+    transmittance: f32,
+    to_eye: vec3f,
+    fibres: f32,
+    colour: vec3f,
+    strand: u32,
+    // The part of the fibre's width that is seen.
+    across: vec2f,
+    padding_0: f32,
+    padding_1: f32,
+}
 
 // Counters of a frame, read back by the host some frames later.
 struct Counters {

@@ -218,6 +218,8 @@ pub struct PelageMarschner {
     pub roughness_tip: f32,
     /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
     pub lobe_tolerance: f32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageMarschner {
@@ -248,11 +250,12 @@ impl Default for PelageMarschner {
             roughness_strand: model.roughness.strand,
             roughness_tip: model.roughness.tip,
             lobe_tolerance: model.lobe_tolerance,
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", lobe_tolerance: f32);
+descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", disorder: f32);
 
 /// One lobe of Sadeghi's model.
 #[repr(C)]
@@ -324,6 +327,8 @@ pub struct PelageSadeghi {
     pub roughness_tip: f32,
     /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
     pub lobe_tolerance: f32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageSadeghi {
@@ -347,11 +352,12 @@ impl Default for PelageSadeghi {
             roughness_strand: model.roughness.strand,
             roughness_tip: model.roughness.tip,
             lobe_tolerance: model.lobe_tolerance,
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", lobe_tolerance: f32);
+descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", disorder: f32);
 
 /// Chiang et al. 2016, d'Eon et al. 2011.
 #[repr(C)]
@@ -392,6 +398,8 @@ pub struct PelageChiang {
     /// 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
     /// the mean over their width.
     pub near_field: u32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageChiang {
@@ -417,11 +425,12 @@ impl Default for PelageChiang {
             roughness_tip: model.roughness.tip,
             lobe_tolerance: model.lobe_tolerance,
             near_field: u32::from(model.near_field),
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", near_field: u32);
+descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", disorder: f32);
 
 /// A shading model with its parameters.
 #[repr(C)]
@@ -685,8 +694,8 @@ fn switch(name: &str, value: u32) -> Result<bool> {
     }
 }
 
-fn dual_scattering(on: u32, forward: f32, backward: f32) -> Result<Option<DualScattering>> {
-    Ok(switch("dual_scattering", on)?.then_some(DualScattering { forward, backward }))
+fn dual_scattering(on: u32, dual: DualScattering) -> Result<Option<DualScattering>> {
+    Ok(switch("dual_scattering", on)?.then_some(dual))
 }
 
 fn marschner(given: &PelageMarschner) -> Result<Marschner> {
@@ -711,8 +720,11 @@ fn marschner(given: &PelageMarschner) -> Result<Marschner> {
         tables: tables(given.table_size, given.table_precision)?,
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
         roughness: RoughnessVariation {
             strand: given.roughness_strand,
@@ -735,8 +747,11 @@ fn sadeghi(given: &PelageSadeghi) -> Result<Sadeghi> {
         tip_colour: given.tip_colour.into(),
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
         roughness: RoughnessVariation {
             strand: given.roughness_strand,
@@ -758,8 +773,11 @@ fn chiang(given: &PelageChiang) -> Result<Chiang> {
         tables: tables(given.table_size, given.table_precision)?,
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
         roughness: RoughnessVariation {
             strand: given.roughness_strand,

@@ -164,7 +164,8 @@ fn initialisers() -> String {
         backward_density,
         roughness_strand,
         roughness_tip,
-        lobe_tolerance
+        lobe_tolerance,
+        disorder
     );
     initialiser!(
         PelageSadeghi,
@@ -183,7 +184,8 @@ fn initialisers() -> String {
         backward_density,
         roughness_strand,
         roughness_tip,
-        lobe_tolerance
+        lobe_tolerance,
+        disorder
     );
     initialiser!(
         PelageChiang,
@@ -203,7 +205,8 @@ fn initialisers() -> String {
         roughness_strand,
         roughness_tip,
         lobe_tolerance,
-        near_field
+        near_field,
+        disorder
     );
     initialiser!(
         PelageShading,

@@ -6,8 +6,8 @@ use pelage::Raster;
 use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
 use pelage::shading::{
-    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, ShadingRate,
-    Tables,
+    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
+    ShadingRate, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
@@ -88,7 +88,7 @@ pub struct Case {
     pub shadow: Shadow,
     /// The transparency technique.
     pub transparency: Transparency,
-    /// Where the model is evaluated, in cases that compare rates: their truth is shaded at fragments.
+    /// Where the model is evaluated, in cases that compare rates: a picture's truth is then shaded at fragments.
     pub rate: Option<ShadingRate>,
     /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
     pub pool: Option<f64>,
@@ -98,7 +98,7 @@ impl Case {
     /// The stem of the technique that is measured.
     pub fn technique(&self) -> &'static str {
         match self.group {
-            Group::Shading => self.shading.stem(),
+            Group::Shading | Group::Samples | Group::Frames => self.shading.stem(),
             Group::Shadow => self.shadow.stem(),
             Group::Transparency => self.transparency.stem(),
         }
@@ -107,7 +107,9 @@ impl Case {
     /// The measured technique's settings, as in a scene file but for the stem.
     pub fn settings(&self) -> Value {
         let mut settings = match self.group {
-            Group::Shading => techniques::shading_settings(&self.shading),
+            Group::Shading | Group::Samples | Group::Frames => {
+                techniques::shading_settings(&self.shading)
+            }
             Group::Shadow => techniques::shadow_settings(&self.shadow),
             Group::Transparency => techniques::transparency_settings(&self.transparency),
         };
@@ -120,6 +122,9 @@ impl Case {
             }
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
+            }
+            if self.group == Group::Frames {
+                map.insert("shadow".into(), self.shadow.stem().into());
             }
         }
         settings
@@ -141,55 +146,136 @@ fn white(specular: f32, exponent: f32) -> Shading {
     })
 }
 
-/// Every other model, directly and through tables of rising size.
-fn fibre_models() -> Vec<Shading> {
-    let tables = |size, precision| Some(Tables { size, precision });
-    let ladder = [
-        None,
-        tables(32, Precision::F32),
-        tables(64, Precision::F32),
-        tables(128, Precision::F32),
-        tables(256, Precision::F32),
-        tables(512, Precision::F32),
-        tables(64, Precision::F16),
-        tables(256, Precision::F16),
-    ];
-    let marschner = Marschner::default();
-    let sadeghi = Sadeghi {
+/// Table sizes and Chiang's intervals of a ladder of models.
+struct Steps<'a> {
+    tables: &'a [(u32, Precision)],
+    intervals: &'a [u32],
+}
+
+/// Of pictures: enough to see that tables of the usual size are no worse than no tables.
+const PICTURE_STEPS: Steps = Steps {
+    tables: &[
+        (32, Precision::F32),
+        (64, Precision::F32),
+        (128, Precision::F32),
+        (256, Precision::F32),
+        (512, Precision::F32),
+        (64, Precision::F16),
+        (256, Precision::F16),
+    ],
+    intervals: &[16, 128],
+};
+
+/// Of samples: every size in both formats.
+const SAMPLE_STEPS: Steps = Steps {
+    tables: &[
+        (32, Precision::F32),
+        (64, Precision::F32),
+        (128, Precision::F32),
+        (256, Precision::F32),
+        (512, Precision::F32),
+        (32, Precision::F16),
+        (64, Precision::F16),
+        (128, Precision::F16),
+        (256, Precision::F16),
+        (512, Precision::F16),
+    ],
+    intervals: &[8, 16, 32, 64, 128],
+};
+
+fn marschner(tables: Option<Tables>) -> Marschner {
+    Marschner {
+        tables,
+        ..Marschner::default()
+    }
+}
+
+fn chiang(tables: Option<Tables>) -> Chiang {
+    Chiang {
+        tables,
+        ..Chiang::default()
+    }
+}
+
+/// Sadeghi's model with one glint angle for all strands, as the reference has it.
+fn sadeghi(normalised: bool) -> Sadeghi {
+    Sadeghi {
         glint_angle: [0.65; 2],
+        normalised,
         ..Sadeghi::default()
+    }
+}
+
+/// Every model but Kajiya-Kay's, directly and through tables.
+fn fibre_models(steps: &Steps) -> Vec<Shading> {
+    let tables = || {
+        let table = |&(size, precision): &(u32, Precision)| Tables { size, precision };
+        steps.tables.iter().map(table)
     };
-    let mut models = vec![Shading::Scheuermann(Scheuermann::default())];
-    models.extend(ladder.map(|tables| {
-        Shading::Marschner(Marschner {
-            tables,
-            ..marschner
-        })
-    }));
-    models.push(Shading::Marschner(Marschner {
-        tables: None,
+    let cubic = Marschner {
         roots: Roots::Cubic,
-        ..marschner
-    }));
-    models.extend([false, true].map(|normalised| {
-        Shading::Sadeghi(Sadeghi {
-            normalised,
-            ..sadeghi
-        })
-    }));
-    models.extend([16, 128].map(|intervals| {
+        ..marschner(None)
+    };
+    let mut models = vec![
+        Shading::Scheuermann(Scheuermann::default()),
+        Shading::Marschner(marschner(None)),
+    ];
+    models.extend(tables().map(|t| Shading::Marschner(marschner(Some(t)))));
+    models.push(Shading::Marschner(cubic));
+    models.extend([false, true].map(|normalised| Shading::Sadeghi(sadeghi(normalised))));
+    models.extend(steps.intervals.iter().map(|&intervals| {
         Shading::Chiang(Chiang {
-            tables: None,
             intervals,
-            ..Chiang::default()
+            ..chiang(None)
         })
     }));
-    models.extend(ladder.into_iter().flatten().map(|tables| {
+    models.extend(tables().map(|t| Shading::Chiang(chiang(Some(t)))));
+    models
+}
+
+/// Where a model may be evaluated.
+const RATES: [ShadingRate; 2] = [ShadingRate::Point, ShadingRate::Fragment];
+
+/// The models that are measured at both rates: the cheapest, and two through tables of the usual size.
+fn rated_models(dual_scattering: Option<DualScattering>) -> [Shading; 3] {
+    let tables = Some(Tables::default());
+    [
+        white(0.09, 60.0),
+        Shading::Marschner(Marschner {
+            dual_scattering,
+            ..marschner(tables)
+        }),
         Shading::Chiang(Chiang {
-            tables: Some(tables),
-            ..Chiang::default()
-        })
-    }));
+            dual_scattering,
+            ..chiang(tables)
+        }),
+    ]
+}
+
+/// Every model as a host has it without asking for more, and directly, where it has tables; the first is that to which all
+/// are held. With `dual_scattering` those that have it.
+fn frame_models(dual_scattering: Option<DualScattering>) -> Vec<Shading> {
+    let [kajiya_kay, by_tables, chiang_by_tables] = rated_models(dual_scattering);
+    let mut models = vec![kajiya_kay];
+    if dual_scattering.is_none() {
+        models.push(Shading::Scheuermann(Scheuermann::default()));
+    }
+    models.extend([
+        by_tables,
+        Shading::Marschner(Marschner {
+            dual_scattering,
+            ..marschner(None)
+        }),
+        Shading::Sadeghi(Sadeghi {
+            dual_scattering,
+            ..sadeghi(true)
+        }),
+        chiang_by_tables,
+        Shading::Chiang(Chiang {
+            dual_scattering,
+            ..chiang(None)
+        }),
+    ]);
     models
 }
 
@@ -210,22 +296,43 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
-    cases.extend(fibre_models().into_iter().map(|shading| Case {
+    let opaque = |group, shading, shadow, rate| Case {
+        group,
         shading,
+        shadow,
+        rate,
         ..base.clone()
-    }));
-    for shading in [
-        white(0.09, 60.0),
-        Shading::Marschner(Marschner::default()),
-        Shading::Chiang(Chiang::default()),
+    };
+    cases.extend(
+        fibre_models(&PICTURE_STEPS)
+            .into_iter()
+            .map(|shading| opaque(Group::Shading, shading, Shadow::None, None)),
+    );
+    for shading in rated_models(None) {
+        cases.extend(RATES.map(|rate| opaque(Group::Shading, shading, Shadow::None, Some(rate))));
+    }
+    cases.extend(
+        std::iter::once(base.shading)
+            .chain(fibre_models(&SAMPLE_STEPS))
+            .map(|shading| opaque(Group::Samples, shading, Shadow::None, None)),
+    );
+    for (dual, shadow) in [
+        (None, Shadow::None),
+        (
+            Some(DualScattering::default()),
+            Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        ),
     ] {
-        cases.extend(
-            [ShadingRate::Point, ShadingRate::Fragment].map(|rate| Case {
-                shading,
-                rate: Some(rate),
-                ..base.clone()
-            }),
-        );
+        for shading in frame_models(dual) {
+            let rates = RATES.map(Some);
+            let rates = if rated_models(dual).contains(&shading) {
+                &rates[..]
+            } else {
+                &rates[..1]
+            };
+            let rated = |rate: &Option<ShadingRate>| opaque(Group::Frames, shading, shadow, *rate);
+            cases.extend(rates.iter().map(rated));
+        }
     }
     let resolutions: &[u32] = if quick {
         &[256, 512]
