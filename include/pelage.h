@@ -180,6 +180,18 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Every fragment stored, sorted and composited.
 #define PELAGE_TRANSPARENCY_A_BUFFER 1
 
+// McGuire and Bavoil 2013: the mean of all fragments weighed by depth, at their exact opacity.
+#define PELAGE_TRANSPARENCY_WEIGHTED_BLENDED 4
+
+// Everitt 2001: the nearest fragments found one after the other, the rest merged.
+#define PELAGE_TRANSPARENCY_DEPTH_PEELING 5
+
+// Hunz 2016: the nearest fragment of each of some random subsets of the strands.
+#define PELAGE_TRANSPARENCY_RANDOM_SUBSETS 3
+
+// Kim 2003: segments sorted into bins of depth, and blended in that order.
+#define PELAGE_TRANSPARENCY_SORTED_BLENDING 2
+
 // The library chooses.
 #define PELAGE_RASTER_AUTO 0
 
@@ -194,6 +206,21 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Per-pixel linked lists.
 #define PELAGE_STORAGE_LISTS 1
+
+// Every fragment weighs the same.
+#define PELAGE_WEIGHT_UNIFORM 0
+
+// Opacity times the third power of the distance from the hair's far end.
+#define PELAGE_WEIGHT_CUBIC 1
+
+// exp(-falloff d), d from 0 at the hair's near end to 1 at its far one.
+#define PELAGE_WEIGHT_EXPONENTIAL 2
+
+// Farthest segments first, each over what is there.
+#define PELAGE_BLEND_ORDER_BACK_TO_FRONT 0
+
+// Nearest segments first, each under what is there.
+#define PELAGE_BLEND_ORDER_FRONT_TO_BACK 1
 
 // Straight segments between the points.
 #define PELAGE_CURVE_POLYLINE 0
@@ -706,6 +733,56 @@ typedef struct PelageABuffer {
     uint64_t pool_bytes;
 } PelageABuffer;
 
+// Settings of weighted blended transparency. 28 bytes a pixel.
+typedef struct PelageWeightedBlended {
+    // `sizeof(PelageWeightedBlended)`.
+    uint32_t struct_size;
+    // `PELAGE_WEIGHT_...`.
+    uint32_t weight;
+    // For `PELAGE_WEIGHT_EXPONENTIAL`, from 0 to 100: the hair's optical depth.
+    float falloff;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageWeightedBlended;
+
+// Settings of depth peeling. 56 bytes a pixel.
+typedef struct PelageDepthPeeling {
+    // `sizeof(PelageDepthPeeling)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that are composited in their order, from 1 to 1024; what lies behind them is merged.
+    uint32_t peels;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageDepthPeeling;
+
+// Settings of random subsets. 12 bytes a pixel and subset, and 4 a pixel for the exact opacity.
+typedef struct PelageRandomSubsets {
+    // `sizeof(PelageRandomSubsets)`.
+    uint32_t struct_size;
+    // Subsets, from 1 to 32.
+    uint32_t subsets;
+    // What strands are parted by: another seed, another picture.
+    uint32_t seed;
+    // 1: a pixel has the opacity of all its fragments; 0: as published, only that of those that are kept.
+    uint32_t exact_alpha;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageRandomSubsets;
+
+// Settings of sorted blending. It draws ribbons, whatever their width.
+typedef struct PelageSortedBlending {
+    // `sizeof(PelageSortedBlending)`.
+    uint32_t struct_size;
+    // Bins of depth, from 1 to 4096.
+    uint32_t bins;
+    // `PELAGE_BLEND_ORDER_...`.
+    uint32_t order;
+    // Frames after a sorted one that take its order, as long as they draw the same hair; 0: every frame is sorted.
+    uint32_t reuse;
+    // 0: blended as 16-bit floats, 8 bytes a pixel; 1: as 32-bit floats where the device blends these, 16 bytes a pixel.
+    uint32_t full_precision;
+} PelageSortedBlending;
+
 // A transparency technique with its settings.
 typedef struct PelageTransparency {
     // `sizeof(PelageTransparency)`.
@@ -716,6 +793,14 @@ typedef struct PelageTransparency {
     const struct PelageOpaque *opaque;
     // For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     const struct PelageABuffer *a_buffer;
+    // For `PELAGE_TRANSPARENCY_WEIGHTED_BLENDED`; NULL: as `PELAGE_WEIGHTED_BLENDED_INIT`.
+    const struct PelageWeightedBlended *weighted_blended;
+    // For `PELAGE_TRANSPARENCY_DEPTH_PEELING`; NULL: as `PELAGE_DEPTH_PEELING_INIT`.
+    const struct PelageDepthPeeling *depth_peeling;
+    // For `PELAGE_TRANSPARENCY_RANDOM_SUBSETS`; NULL: as `PELAGE_RANDOM_SUBSETS_INIT`.
+    const struct PelageRandomSubsets *random_subsets;
+    // For `PELAGE_TRANSPARENCY_SORTED_BLENDING`; NULL: as `PELAGE_SORTED_BLENDING_INIT`.
+    const struct PelageSortedBlending *sorted_blending;
 } PelageTransparency;
 
 // How a target is made.
@@ -1517,7 +1602,11 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
-#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL }
+#define PELAGE_WEIGHTED_BLENDED_INIT { sizeof(PelageWeightedBlended), 2, 12.0f, 0 }
+#define PELAGE_DEPTH_PEELING_INIT { sizeof(PelageDepthPeeling), 16, 0 }
+#define PELAGE_RANDOM_SUBSETS_INIT { sizeof(PelageRandomSubsets), 8, 0, 1, 0 }
+#define PELAGE_SORTED_BLENDING_INIT { sizeof(PelageSortedBlending), 1024, 0, 0, 0 }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }

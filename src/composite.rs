@@ -116,7 +116,10 @@ pub(crate) fn record(
         } else {
             "composite"
         },
-        groups: &[Group::Frame, Group::PixelsRead],
+        groups: match transparency::read_group(&plan.transparency) {
+            Group::BlendedRead => &[Group::Frame, Group::BlendedRead],
+            _ => &[Group::Frame, Group::PixelsRead],
+        },
         topology: wgpu::PrimitiveTopology::TriangleList,
         targets: vec![Some(wgpu::ColorTargetState {
             format,
@@ -148,7 +151,7 @@ pub(crate) fn record(
             bound.frame_without_depth,
             &[0, band.drawings[0], plan.runs[0].material],
         );
-        pass.set_bind_group(3, bound.pixels_read, &[]);
+        pass.set_bind_group(3, bound.read(plan), &[]);
         pass.draw(0..3, 0..1);
     });
     Ok(())
@@ -194,7 +197,10 @@ pub(crate) fn outputs(
             .with("TRACKED", Constant::Bool(tracked)),
         vertex: "fullscreen_vertex",
         fragment: "outputs",
-        groups: &[Group::Frame, Group::PointOutputs, Group::PixelsRead],
+        groups: match transparency::read_group(&plan.transparency) {
+            Group::BlendedRead => &[Group::Frame, Group::PointOutputs, Group::BlendedRead],
+            _ => &[Group::Frame, Group::PointOutputs, Group::PixelsRead],
+        },
         topology: wgpu::PrimitiveTopology::TriangleList,
         targets: output_targets(&formats),
         depth_stencil: None,
@@ -209,7 +215,7 @@ pub(crate) fn outputs(
                 &[0, band.drawings[0], plan.runs[0].material],
             );
             pass.set_bind_group(1, bound.point_outputs, &[]);
-            pass.set_bind_group(3, bound.pixels_read, &[]);
+            pass.set_bind_group(3, bound.read(plan), &[]);
             pass.draw(0..3, 0..1);
         });
     });

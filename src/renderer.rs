@@ -220,7 +220,7 @@ impl Renderer {
             merged: returned.merged,
         };
         self.statistics.covered_pixels = returned.covered;
-        if returned.merged > 0 {
+        if returned.merged > 0 && returned.pooled {
             log::warn!(
                 "the fragment pool was too small: {} of {} fragments were merged",
                 returned.merged,

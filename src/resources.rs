@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
-use crate::gpu::{Allocation, Gpu, Group, Passes};
+use crate::gpu::{Allocation, Gpu, Group, ImageAllocation, Passes};
 use crate::layout::{Counters, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::tables;
-use crate::transparency::Fragments;
 use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
+use crate::transparency::{Fragments, Transparency, read_group};
 
 /// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
 pub(crate) const RING: usize = 8;
@@ -51,9 +51,13 @@ struct Slot {
     state: Arc<AtomicU8>,
     bands: u64,
     lists: bool,
+    /// What was merged found no room in a pool.
+    pooled: bool,
     capacity: u64,
     /// The tables that the frame fills; 0: none.
     fills: u64,
+    /// The order that it sorts; 0: none.
+    sorts: u64,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
     depth: Option<wgpu::Texture>,
@@ -66,6 +70,28 @@ pub(crate) struct RunGroups {
     pub shade: wgpu::BindGroup,
     /// Where an output asks for it.
     pub track: Option<wgpu::BindGroup>,
+}
+
+/// What sorted blending binds.
+pub(crate) struct SortedGroups {
+    /// Histogram and order.
+    pub sorting: wgpu::BindGroup,
+    /// All hairs' points, and the order.
+    pub segments: wgpu::BindGroup,
+    pub image: wgpu::TextureView,
+    read: wgpu::BindGroup,
+}
+
+/// The order that sorted blending has found.
+#[derive(Default)]
+struct Order {
+    /// What it is the order of.
+    of: Vec<u64>,
+    number: u64,
+    /// Frames that have taken it.
+    age: u32,
+    /// Whether a frame that found it is known to have run.
+    known: bool,
 }
 
 /// Bind groups of the pools.
@@ -82,6 +108,8 @@ struct Groups {
     maps_read: wgpu::BindGroup,
     pixels_written: wgpu::BindGroup,
     pixels_read: wgpu::BindGroup,
+    /// Where the technique sorts.
+    sorted: Option<SortedGroups>,
 }
 
 /// What the passes of one frame bind.
@@ -96,7 +124,9 @@ pub(crate) struct Bound<'a> {
     pub maps_read: &'a wgpu::BindGroup,
     pub pixels_written: &'a wgpu::BindGroup,
     pub pixels: &'a Pixels,
-    pub pixels_read: &'a wgpu::BindGroup,
+    pixels_read: &'a wgpu::BindGroup,
+    pub sorted: Option<&'a SortedGroups>,
+    pub histogram: &'a Allocation,
     pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
     /// A copy of the counters, for the arguments in them.
@@ -110,6 +140,14 @@ impl Bound<'_> {
         match group {
             Group::MapsWritten => (2, self.maps_written),
             _ => (3, self.pixels_written),
+        }
+    }
+
+    /// What the composite reads of the pixels.
+    pub fn read(&self, plan: &Plan) -> &wgpu::BindGroup {
+        match (read_group(&plan.transparency), self.sorted) {
+            (Group::BlendedRead, Some(sorted)) => &sorted.read,
+            _ => self.pixels_read,
         }
     }
 
@@ -158,6 +196,8 @@ pub(crate) struct Returned {
     pub covered: u64,
     /// The most that one band asked of the pool.
     pub needed: u64,
+    /// Whether what was merged found no room in a pool, and was not merged by the technique's choice.
+    pub pooled: bool,
 }
 
 /// Pools, ring and bind groups.
@@ -169,6 +209,10 @@ pub(crate) struct Resources {
     maps: Allocation,
     tables: tables::Held,
     pixels: Pixels,
+    histogram: Allocation,
+    order: Allocation,
+    blended: Option<ImageAllocation>,
+    found: Order,
     arguments: Allocation,
     generation: u64,
     groups: Option<Groups>,
@@ -222,8 +266,10 @@ impl Resources {
                     state: Arc::default(),
                     bands: 0,
                     lists: false,
+                    pooled: false,
                     capacity: 0,
                     fills: 0,
+                    sorts: 0,
                     frame: None,
                     frame_without_depth: None,
                     depth: None,
@@ -248,6 +294,10 @@ impl Resources {
                 ],
                 overflow: empty("pelage.transparency.overflow")?,
             },
+            histogram: empty("pelage.transparency.sorted_blending.histogram")?,
+            order: empty("pelage.transparency.sorted_blending.order")?,
+            blended: None,
+            found: Order::default(),
             arguments: gpu.allocate(
                 "pelage.transparency.arguments",
                 256,
@@ -302,10 +352,12 @@ impl Resources {
             )));
         }
         self.grow_attachment(gpu, plan);
+        self.grow_sorted(gpu, frame, plan)?;
         let key_matches = self.groups.as_ref().is_some_and(|groups| {
             groups.generation == self.generation
                 && groups.serials == plan.serials
                 && (groups.tracked || !plan.tracked)
+                && (groups.sorted.is_some() || plan.sorting.bins == 0)
                 && groups.tables == self.tables.serial()
         });
         if !key_matches {
@@ -366,7 +418,7 @@ impl Resources {
             .max()
             .unwrap_or(0);
         let pool = &mut self.pixels;
-        let needs = plan.transparency.needs(pixels);
+        let needs = plan.needs(pixels);
         let mut sized =
             |slot: &mut Allocation, label, bytes| grow(gpu, slot, label, bytes, generation);
         sized(&mut pool.fill, "pelage.transparency.fill", needs.fill)?;
@@ -504,6 +556,92 @@ impl Resources {
         }));
     }
 
+    /// What sorted blending needs, and whether this frame sorts anew.
+    fn grow_sorted(&mut self, gpu: &Gpu, frame: &Frame, plan: &mut Plan) -> Result<()> {
+        let Transparency::SortedBlending(settings) = plan.transparency else {
+            return Ok(());
+        };
+        let generation = &mut self.generation;
+        grow(
+            gpu,
+            &mut self.histogram,
+            "pelage.transparency.sorted_blending.histogram",
+            plan.sorting.histogram_bytes(),
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.order,
+            "pelage.transparency.sorted_blending.order",
+            plan.sorting.order_bytes(),
+            generation,
+        )?;
+        let format = settings.format(gpu);
+        let fits = |held: &ImageAllocation| {
+            let image = &held.texture;
+            image.format() == format && image.width() >= plan.width && image.height() >= plan.height
+        };
+        if !self.blended.as_ref().is_some_and(fits) {
+            // The old one comes free before the new one is made.
+            self.blended = None;
+            *generation += 1;
+            let label = "pelage.transparency.sorted_blending.image";
+            self.blended = Some(gpu.image(label, [plan.width, plan.height], format)?);
+        }
+
+        let mut of = plan.serials.clone();
+        let opacities = frame.hairs.iter().map(|hair| hair.opacity.to_bits());
+        of.extend(opacities.map(u64::from));
+        of.extend([plan.sorting.bins, settings.order as u64]);
+        let found = &mut self.found;
+        if found.of != of || (found.known && found.age >= settings.reuse) {
+            *found = Order {
+                of,
+                number: found.number + 1,
+                age: 0,
+                known: false,
+            };
+        }
+        // A frame that was recorded and never submitted has sorted nothing.
+        plan.sort = !found.known;
+        if found.known {
+            found.age += 1;
+        }
+        Ok(())
+    }
+
+    /// What sorted blending binds.
+    fn bind_sorted(&self, gpu: &Gpu, plan: &Plan) -> Option<SortedGroups> {
+        let blended = self.blended.as_ref().filter(|_| plan.sorting.bins > 0)?;
+        let image = blended.texture.create_view(&Default::default());
+        let each = size_of::<Projected>() as u64;
+        Some(SortedGroups {
+            sorting: gpu.bind(
+                "pelage.sorting",
+                Group::Sorting,
+                &[self.histogram.binding(), self.order.binding()],
+            ),
+            segments: gpu.bind(
+                "pelage.sorted_segments",
+                Group::Segments,
+                &[
+                    part(&self.projected, 0, plan.point_count, each),
+                    self.order.binding(),
+                ],
+            ),
+            read: gpu.bind(
+                "pelage.blended",
+                Group::BlendedRead,
+                &[
+                    wgpu::BindingResource::TextureView(&image),
+                    self.pixels.fill.binding(),
+                    self.pixels.links.binding(),
+                ],
+            ),
+            image,
+        })
+    }
+
     fn bind(&self, gpu: &Gpu, frame: &Frame, plan: &Plan) -> Groups {
         let runs = plan
             .runs
@@ -612,6 +750,7 @@ impl Resources {
             maps_read: gpu.bind("pelage.maps_read", Group::MapsRead, &[self.maps.binding()]),
             pixels_written: gpu.bind("pelage.pixels_written", Group::PixelsWritten, &pixels),
             pixels_read: gpu.bind("pelage.pixels_read", Group::PixelsRead, &pixels),
+            sorted: self.bind_sorted(gpu, plan),
         }
     }
 
@@ -658,8 +797,10 @@ impl Resources {
         }
         slot.bands = plan.bands.len() as u64;
         slot.lists = plan.transparency.needs(0).fragments.linked();
+        slot.pooled = plan.transparency.needs(0).fragments.pooled();
         slot.capacity = self.capacity;
         slot.fills = self.tables.to_fill();
+        slot.sorts = if plan.sort { self.found.number } else { 0 };
         Ok(())
     }
 
@@ -680,6 +821,8 @@ impl Resources {
             maps_read: &groups.maps_read,
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
+            sorted: groups.sorted.as_ref(),
+            histogram: &self.histogram,
             point_outputs: &groups.point_outputs,
             pixels: &self.pixels,
             attachment: self
@@ -734,6 +877,7 @@ impl Resources {
                     newest = Some(read_slot(slot));
                     // A frame that was recorded and never submitted has filled nothing.
                     self.tables.mark_filled(slot.fills);
+                    self.found.known |= slot.sorts > 0 && slot.sorts == self.found.number;
                     slot.counters.buffer.unmap();
                     slot.state.store(IDLE, Ordering::Release);
                 }
@@ -761,7 +905,10 @@ impl Drop for Arrival {
 
 /// The sums of a slot's bands.
 fn read_slot(slot: &Slot) -> Returned {
-    let mut sum = Returned::default();
+    let mut sum = Returned {
+        pooled: slot.pooled,
+        ..Default::default()
+    };
     let Ok(bytes) = slot.counters.buffer.get_mapped_range(..) else {
         return sum;
     };

@@ -10,7 +10,7 @@ pub struct Fragments {
     pub culled: u64,
     /// Stored one by one.
     pub stored: u64,
-    /// Merged into a pixel's tail, since the pool was too small.
+    /// Merged into a pixel's tail: since the pool was too small, or behind the peels of depth peeling.
     pub merged: u64,
 }
 

@@ -11,7 +11,9 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
+    ABuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage, Transparency,
+    WeightedBlended, a_buffer, depth_peeling, nearest, opaque, random_subsets, resolve_module,
+    sorted_blending, weighted_blended,
 };
 
 /// A module that the crate can build.
@@ -57,6 +59,10 @@ pub fn combinations() -> Vec<Combination> {
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
+        .chain(&nearest::EMISSIONS)
+        .chain(&weighted_blended::EMISSIONS)
+        .chain(&depth_peeling::EMISSIONS)
+        .chain(&random_subsets::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
@@ -75,6 +81,22 @@ pub fn combinations() -> Vec<Combination> {
         ("opaque", Transparency::Opaque(Opaque::default())),
         ("counted", counted),
         ("lists", lists),
+        (
+            "weighted_blended",
+            Transparency::WeightedBlended(WeightedBlended::default()),
+        ),
+        (
+            "depth_peeling",
+            Transparency::DepthPeeling(DepthPeeling::default()),
+        ),
+        (
+            "random_subsets",
+            Transparency::RandomSubsets(RandomSubsets::default()),
+        ),
+        (
+            "sorted_blending",
+            Transparency::SortedBlending(SortedBlending::default()),
+        ),
     ] {
         modules.push((
             format!("composite {name}"),
@@ -135,6 +157,9 @@ pub fn combinations() -> Vec<Combination> {
             "shadow/deep_opacity_map_prefix",
         ]),
     ));
+    modules.push(("sort".into(), sorted_blending::sort_module()));
+    modules.push(("blend".into(), sorted_blending::draw_module()));
+    modules.push(("advance".into(), depth_peeling::advance_module()));
     modules.push((
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
@@ -197,14 +222,15 @@ pub fn layouts() -> Vec<Layout> {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
             segment_count, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
-            padding_0,
+            chunk_base,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, seed, padding_0,
+            place_of_depth, technique, lights, shadow_views,
         }
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
@@ -232,6 +258,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("DRAWING_REVERSE_Z", layout::DRAWING_REVERSE_Z),
         ("DRAWING_HOST_DEPTH", layout::DRAWING_HOST_DEPTH),
         ("FRAME_REVERSE_Z", layout::FRAME_REVERSE_Z),
+        ("FRAME_NEAREST", layout::FRAME_NEAREST),
         ("POINT_FIRST", layout::POINT_FIRST),
         ("POINT_LAST", layout::POINT_LAST),
         ("POINT_STRAND", layout::POINT_STRAND),

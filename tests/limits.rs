@@ -4,7 +4,9 @@ use pelage::glam::{DVec3, Vec3, Vec4};
 use pelage::groom::{BuiltinGroom, builtin};
 use pelage::host::offscreen::{Offscreen, WantedOutputs};
 use pelage::raster::Raster;
-use pelage::transparency::{Opaque, Storage, Transparency};
+use pelage::transparency::{
+    DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage, Transparency, WeightedBlended,
+};
 use pelage::wgpu::{self, Features, Limits};
 use pelage::{Error, Frame, Light, Target};
 
@@ -95,6 +97,10 @@ fn a_device_without_anything_optional_draws_the_same() {
         Transparency::Opaque(Opaque {
             raster: Raster::Ribbons,
         }),
+        Transparency::WeightedBlended(WeightedBlended::default()),
+        Transparency::DepthPeeling(DepthPeeling::default()),
+        Transparency::RandomSubsets(RandomSubsets::default()),
+        Transparency::SortedBlending(SortedBlending::default()),
     ] {
         let (poor, rich) = (draw(&mut poor, transparency), draw(&mut rich, transparency));
         assert!(rich.0.iter().any(|pixel| pixel.w > 0.5));

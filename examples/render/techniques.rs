@@ -10,7 +10,10 @@ use pelage::shading::{
     Scheuermann, Shading, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
-use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{
+    ABuffer, BlendOrder, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
+    Transparency, Weight, WeightedBlended,
+};
 use pelage::{Raster, glam};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -55,7 +58,14 @@ pub const SHADOW: Group = Group {
 pub const TRANSPARENCY: Group = Group {
     name: "transparency",
     selector: "technique",
-    stems: &["opaque", "a_buffer"],
+    stems: &[
+        "opaque",
+        "sorted_blending",
+        "random_subsets",
+        "weighted_blended",
+        "depth_peeling",
+        "a_buffer",
+    ],
     default: "a_buffer",
 };
 /// All groups that select.
@@ -327,6 +337,158 @@ impl ABufferKeys {
     }
 }
 
+/// The weight of weighted blended transparency, as the scene file spells it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum WeightKey {
+    Uniform,
+    Cubic,
+    Exponential,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct WeightedBlendedKeys {
+    weight: WeightKey,
+    /// Of the exponential weight.
+    falloff: f32,
+    raster: RasterKey,
+}
+
+impl Default for WeightedBlendedKeys {
+    fn default() -> Self {
+        Self::of(&WeightedBlended::default())
+    }
+}
+
+impl WeightedBlendedKeys {
+    fn of(settings: &WeightedBlended) -> Self {
+        let (weight, falloff) = match settings.weight {
+            Weight::Uniform => (WeightKey::Uniform, 0.0),
+            Weight::Cubic => (WeightKey::Cubic, 0.0),
+            Weight::Exponential { falloff } => (WeightKey::Exponential, falloff),
+        };
+        Self {
+            weight,
+            falloff,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+
+    fn settings(&self) -> WeightedBlended {
+        let weight = match self.weight {
+            WeightKey::Uniform => Weight::Uniform,
+            WeightKey::Cubic => Weight::Cubic,
+            WeightKey::Exponential => Weight::Exponential {
+                falloff: self.falloff,
+            },
+        };
+        WeightedBlended {
+            weight,
+            raster: self.raster.raster(),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct DepthPeelingKeys {
+    peels: u32,
+    raster: RasterKey,
+}
+
+impl Default for DepthPeelingKeys {
+    fn default() -> Self {
+        Self::of(&DepthPeeling::default())
+    }
+}
+
+impl DepthPeelingKeys {
+    fn of(settings: &DepthPeeling) -> Self {
+        Self {
+            peels: settings.peels,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RandomSubsetsKeys {
+    subsets: u32,
+    seed: u32,
+    exact_alpha: bool,
+    raster: RasterKey,
+}
+
+impl Default for RandomSubsetsKeys {
+    fn default() -> Self {
+        Self::of(&RandomSubsets::default())
+    }
+}
+
+impl RandomSubsetsKeys {
+    fn of(settings: &RandomSubsets) -> Self {
+        Self {
+            subsets: settings.subsets,
+            seed: settings.seed,
+            exact_alpha: settings.exact_alpha,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+/// The order of sorted blending, as the scene file spells it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum BlendOrderKey {
+    BackToFront,
+    FrontToBack,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct SortedBlendingKeys {
+    bins: u32,
+    order: BlendOrderKey,
+    reuse: u32,
+    full_precision: bool,
+}
+
+impl Default for SortedBlendingKeys {
+    fn default() -> Self {
+        Self::of(&SortedBlending::default())
+    }
+}
+
+impl SortedBlendingKeys {
+    fn of(settings: &SortedBlending) -> Self {
+        let order = match settings.order {
+            BlendOrder::BackToFront => BlendOrderKey::BackToFront,
+            BlendOrder::FrontToBack => BlendOrderKey::FrontToBack,
+        };
+        Self {
+            bins: settings.bins,
+            order,
+            reuse: settings.reuse,
+            full_precision: settings.full_precision,
+        }
+    }
+
+    fn settings(&self) -> SortedBlending {
+        let order = match self.order {
+            BlendOrderKey::BackToFront => BlendOrder::BackToFront,
+            BlendOrderKey::FrontToBack => BlendOrder::FrontToBack,
+        };
+        SortedBlending {
+            bins: self.bins,
+            order,
+            reuse: self.reuse,
+            full_precision: self.full_precision,
+        }
+    }
+}
+
 impl Group {
     /// The stem that a group's map selects, known to this build.
     pub fn stem(&self, map: &Map<String, Value>) -> Result<&'static str> {
@@ -382,6 +544,10 @@ impl Group {
             "deep_opacity_map" => json!(DeepOpacityMapKeys::default()),
             "opaque" => json!(OpaqueKeys::default()),
             "a_buffer" => json!(ABufferKeys::default()),
+            "weighted_blended" => json!(WeightedBlendedKeys::default()),
+            "depth_peeling" => json!(DepthPeelingKeys::default()),
+            "random_subsets" => json!(RandomSubsetsKeys::default()),
+            "sorted_blending" => json!(SortedBlendingKeys::default()),
             _ => json!(NoKeys::default()),
         };
         settings
@@ -503,6 +669,30 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
                 pool_bytes: keys.pool_bytes,
             }))
         }
+        "weighted_blended" => {
+            let keys: WeightedBlendedKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::WeightedBlended(keys.settings()))
+        }
+        "depth_peeling" => {
+            let keys: DepthPeelingKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::DepthPeeling(DepthPeeling {
+                peels: keys.peels,
+                raster: keys.raster.raster(),
+            }))
+        }
+        "random_subsets" => {
+            let keys: RandomSubsetsKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::RandomSubsets(RandomSubsets {
+                subsets: keys.subsets,
+                seed: keys.seed,
+                exact_alpha: keys.exact_alpha,
+                raster: keys.raster.raster(),
+            }))
+        }
+        "sorted_blending" => {
+            let keys: SortedBlendingKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::SortedBlending(keys.settings()))
+        }
         _ => unreachable!("{stem} is listed and not handled"),
     }
 }
@@ -595,6 +785,10 @@ pub fn transparency_settings(transparency: &Transparency) -> Value {
             raster: RasterKey::of(settings.raster)
         }),
         Transparency::ABuffer(settings) => json!(ABufferKeys::of(settings)),
+        Transparency::WeightedBlended(settings) => json!(WeightedBlendedKeys::of(settings)),
+        Transparency::DepthPeeling(settings) => json!(DepthPeelingKeys::of(settings)),
+        Transparency::RandomSubsets(settings) => json!(RandomSubsetsKeys::of(settings)),
+        Transparency::SortedBlending(settings) => json!(SortedBlendingKeys::of(settings)),
         _ => json!({}),
     };
     with_stem(transparency.stem(), settings)

@@ -8,6 +8,7 @@
 //! - [`coverage`]: the area of a pixel that a fibre covers, exactly and by supersampling
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
+//! - [`blending`]: what they look like to renderers that keep no order, or a coarse one
 //! - [`transmittance`]: how much light reaches a point through other fibres
 //! - [`fibre`]: directions in a fibre's frame, lobes, and what every scattering model of a fibre offers
 //! - [`kajiya_kay`], [`scheuermann`]: how a fibre scatters light, from fixed lobes
@@ -17,6 +18,7 @@
 //! - [`furnace`]: what a model returns of uniform light
 //! - [`error`]: how far one image is from another
 
+pub mod blending;
 pub mod chiang;
 pub mod composite;
 pub mod coverage;

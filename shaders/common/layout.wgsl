@@ -41,7 +41,8 @@ struct Drawing {
     jitter_motion: vec2f,
     // The hair's place in the frame, and its instance in the upper 16 bits.
     hair: u32,
-    padding_0: u32,
+    // The run's first chunk in the sort of sorted blending.
+    chunk_base: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -101,13 +102,20 @@ struct Frame {
     part_capacity: u32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
+    // What strands' hashes are made with.
+    seed: u32,
     padding_0: u32,
-    padding_1: u32,
+    // A depth's place in the extent of all hair along the view's axis, from 0 to 1: (x depth + y) / (z depth + w).
+    place_of_depth: vec4f,
+    // Settings of the transparency technique, in the order in which its files read them.
+    technique: vec4f,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }
 
 const FRAME_REVERSE_Z: u32 = 1u;
+// Each pixel's nearest fragment is sought, for outputs or the host's depth.
+const FRAME_NEAREST: u32 = 2u;
 
 // The parameters of a hair's shading model, in the order in which its file reads them.
 struct Material {

@@ -35,6 +35,18 @@ fn points_tangent(index: u32, strand: u32) -> vec3f {
     return select(vec3f(0.0, 1.0, 0.0), sum / max(size, 1e-30), size > 1e-30);
 }
 
+// MurmurHash3's finaliser.
+fn points_mix(word: u32) -> u32 {
+    let a = (word ^ (word >> 16u)) * 0x85ebca6bu;
+    let b = (a ^ (a >> 13u)) * 0xc2b2ae35u;
+    return b ^ (b >> 16u);
+}
+
+// 16 random bits of a strand, by which techniques part strands.
+fn points_hash(strand: u32) -> u32 {
+    return points_mix(strand ^ points_mix(drawing.hair ^ points_mix(frame.seed + 0x9e3779b9u))) >> 16u;
+}
+
 @compute @workgroup_size(64)
 fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = invocation.x + invocation.y * groups.x * 64u;
@@ -67,5 +79,7 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
     }
     // The largest 16-bit float; also what becomes of an infinity.
     radiance = min(max(radiance, vec3f(0.0)), vec3f(65504.0));
-    shaded[drawing.point_base + index] = vec2u(pack2x16float(radiance.xy), pack2x16float(vec2f(radiance.z, 0.0)));
+    let hash = points_hash(strand & POINT_STRAND);
+    let words = vec2u(pack2x16float(radiance.xy), pack2x16float(vec2f(radiance.z, 0.0)) | (hash << 16u));
+    shaded[drawing.point_base + index] = words;
 }

@@ -10,7 +10,6 @@
 @group(3) @binding(3) var<storage, read> fragments_0: array<u32>;
 @group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
 @group(3) @binding(5) var<storage, read> fragments_2: array<u32>;
-@group(3) @binding(6) var<storage, read> overflow: array<u32>;
 @group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 // What lies behind this transmittance changes a pixel by less than 1/4096 of its own radiance.
@@ -62,20 +61,6 @@ fn a_buffer_order(near: ptr<function, Candidate>, far: ptr<function, Candidate>)
 fn a_buffer_first(number: u32) -> u32 {
     if LISTS { return fill[number]; }
     return select(links[max(number, 1u) - 1u], 0u, number == 0u);
-}
-
-// Colour and transmittance of a pixel's tail.
-fn a_buffer_tail(number: u32) -> vec4f {
-    let words = number * OVERFLOW_WORDS;
-    let carries = overflow[words + TAIL_CARRIES];
-    var sums: array<f32, 5>;
-    for (var i = 0u; i < 5u; i++) {
-        sums[i] = f32(overflow[words + i]) + f32((carries >> (i * TAIL_CARRY_BITS)) & 63u) * 4294967296.0;
-    }
-    if sums[TAIL_WEIGHT] == 0.0 { return vec4f(0.0, 0.0, 0.0, 1.0); }
-    let through = exp(-sums[TAIL_DEPTH] / TAIL_DEPTH_SCALE);
-    let colour = vec3f(sums[2], sums[3], sums[4]) / frame.tail_scale / (sums[TAIL_WEIGHT] / TAIL_WEIGHT_SCALE);
-    return vec4f(colour * (1.0 - through), through);
 }
 
 fn resolve(pixel: vec2u) -> Resolved {
@@ -201,7 +186,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     }
     let overflowed = select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
     if overflowed && transmittance > A_BUFFER_UNSEEN {
-        let tail = a_buffer_tail(number);
+        let tail = tail_of(number);
         colour += transmittance * tail.xyz;
         transmittance *= tail.w;
     }
@@ -259,7 +244,7 @@ fn nearest(pixel: vec2u) -> Nearest {
     var transmittance = exp(-f32(depth) / OPTICAL_DEPTH_SCALE);
     let overflowed = select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
     if overflowed {
-        let tail = a_buffer_tail(number);
+        let tail = tail_of(number);
         transmittance *= tail.w;
         // Where nothing was stored, the depth that the tail begins at is all that is known.
         if !LISTS && near.key == A_BUFFER_NONE && tail.w < 1.0 {

@@ -17,7 +17,6 @@
 @group(3) @binding(3) var<storage, read_write> fragments_0: array<u32>;
 @group(3) @binding(4) var<storage, read_write> fragments_1: array<u32>;
 @group(3) @binding(5) var<storage, read_write> fragments_2: array<u32>;
-@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
 @group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 const STAGE_COUNT: u32 = 0u;
@@ -67,25 +66,6 @@ fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
     }
 }
 
-// Adds to one sum of a pixel's tail; its carries are counted beside it.
-fn a_buffer_tail_add(pixel: u32, sum: u32, value: f32) {
-    let steps = u32(value + 0.5);
-    let before = atomicAdd(&overflow[pixel * OVERFLOW_WORDS + sum], steps);
-    if before + steps < before {
-        atomicAdd(&overflow[pixel * OVERFLOW_WORDS + TAIL_CARRIES], 1u << (sum * TAIL_CARRY_BITS));
-    }
-}
-
-fn a_buffer_merge(pixel: u32, fragment: Fragment) {
-    let colour = shaded_colour(fragment.point, fragment.along);
-    let steps = min(fragment.opacity * colour * frame.tail_scale, vec3f(TAIL_LARGEST));
-    a_buffer_tail_add(pixel, TAIL_DEPTH, optical_depth(fragment.opacity) * TAIL_DEPTH_SCALE);
-    a_buffer_tail_add(pixel, TAIL_WEIGHT, fragment.opacity * TAIL_WEIGHT_SCALE);
-    a_buffer_tail_add(pixel, TAIL_COLOUR, steps.x);
-    a_buffer_tail_add(pixel, TAIL_COLOUR + 1u, steps.y);
-    a_buffer_tail_add(pixel, TAIL_COLOUR + 2u, steps.z);
-}
-
 fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     if !fragment_in_range(fragment) { return; }
     let key = depth_key(fragment.depth);
@@ -109,7 +89,7 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     } else if STAGE == STAGE_SCATTER || STAGE == STAGE_SCATTER_OVERFLOW {
         if STAGE == STAGE_SCATTER_OVERFLOW {
             if key >= atomicLoad(&overflow[words + TAIL_FIRST_KEY]) {
-                a_buffer_merge(number, fragment);
+                tail_merge(number, fragment);
                 return;
             }
         }
@@ -119,7 +99,7 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     } else if fragment.opacity > 0.0 {
         let node = atomicAdd(&counters.stored, 1u);
         if node >= a_buffer_capacity {
-            a_buffer_merge(number, fragment);
+            tail_merge(number, fragment);
             return;
         }
         a_buffer_store(node, key, fragment);

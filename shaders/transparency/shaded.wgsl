@@ -5,6 +5,11 @@ fn shaded_point(point: u32) -> vec3f {
     return vec3f(unpack2x16float(words.x), unpack2x16float(words.y).x);
 }
 
+// The hash of the strand that a point is of, 16 bits.
+fn shaded_hash(point: u32) -> u32 {
+    return shaded[point].y >> 16u;
+}
+
 fn shaded_colour(point: u32, along: f32) -> vec3f {
     return mix(shaded_point(point), shaded_point(point + 1u), along);
 }

@@ -13,7 +13,10 @@ use crate::shading::{
     sigma_a_from_reflectance,
 };
 use crate::shadow::{DeepOpacityMap, Shadow};
-use crate::transparency::{ABuffer, Opaque, Storage, Transparency};
+use crate::transparency::{
+    ABuffer, BlendOrder, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
+    Transparency, Weight, WeightedBlended,
+};
 use glam::Vec3;
 
 /// Kajiya and Kay 1989.
@@ -61,6 +64,14 @@ pub const PELAGE_SHADOW_DEEP_OPACITY_MAP: u32 = 1;
 pub const PELAGE_TRANSPARENCY_OPAQUE: u32 = 0;
 /// Every fragment stored, sorted and composited.
 pub const PELAGE_TRANSPARENCY_A_BUFFER: u32 = 1;
+/// McGuire and Bavoil 2013: the mean of all fragments weighed by depth, at their exact opacity.
+pub const PELAGE_TRANSPARENCY_WEIGHTED_BLENDED: u32 = 4;
+/// Everitt 2001: the nearest fragments found one after the other, the rest merged.
+pub const PELAGE_TRANSPARENCY_DEPTH_PEELING: u32 = 5;
+/// Hunz 2016: the nearest fragment of each of some random subsets of the strands.
+pub const PELAGE_TRANSPARENCY_RANDOM_SUBSETS: u32 = 3;
+/// Kim 2003: segments sorted into bins of depth, and blended in that order.
+pub const PELAGE_TRANSPARENCY_SORTED_BLENDING: u32 = 2;
 
 /// The library chooses.
 pub const PELAGE_RASTER_AUTO: u32 = 0;
@@ -73,6 +84,18 @@ pub const PELAGE_RASTER_WALK: u32 = 2;
 pub const PELAGE_STORAGE_COUNTED: u32 = 0;
 /// Per-pixel linked lists.
 pub const PELAGE_STORAGE_LISTS: u32 = 1;
+
+/// Every fragment weighs the same.
+pub const PELAGE_WEIGHT_UNIFORM: u32 = 0;
+/// Opacity times the third power of the distance from the hair's far end.
+pub const PELAGE_WEIGHT_CUBIC: u32 = 1;
+/// exp(-falloff d), d from 0 at the hair's near end to 1 at its far one.
+pub const PELAGE_WEIGHT_EXPONENTIAL: u32 = 2;
+
+/// Farthest segments first, each over what is there.
+pub const PELAGE_BLEND_ORDER_BACK_TO_FRONT: u32 = 0;
+/// Nearest segments first, each under what is there.
+pub const PELAGE_BLEND_ORDER_FRONT_TO_BACK: u32 = 1;
 
 /// Kajiya and Kay's diffuse and specular lobes.
 #[repr(C)]
@@ -537,6 +560,123 @@ impl Default for PelageABuffer {
 
 descriptor!(PelageABuffer, "PELAGE_A_BUFFER_INIT", pool_bytes: u64);
 
+/// Settings of weighted blended transparency. 28 bytes a pixel.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageWeightedBlended {
+    /// `sizeof(PelageWeightedBlended)`.
+    pub struct_size: u32,
+    /// `PELAGE_WEIGHT_…`.
+    pub weight: u32,
+    /// For `PELAGE_WEIGHT_EXPONENTIAL`, from 0 to 100: the hair's optical depth.
+    pub falloff: f32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageWeightedBlended {
+    fn default() -> Self {
+        let falloff = match WeightedBlended::default().weight {
+            Weight::Exponential { falloff } => falloff,
+            _ => 0.0,
+        };
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            weight: PELAGE_WEIGHT_EXPONENTIAL,
+            falloff,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageWeightedBlended, "PELAGE_WEIGHTED_BLENDED_INIT", raster: u32);
+
+/// Settings of depth peeling. 56 bytes a pixel.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageDepthPeeling {
+    /// `sizeof(PelageDepthPeeling)`.
+    pub struct_size: u32,
+    /// Fragments of a pixel that are composited in their order, from 1 to 1024; what lies behind them is merged.
+    pub peels: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageDepthPeeling {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            peels: DepthPeeling::default().peels,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageDepthPeeling, "PELAGE_DEPTH_PEELING_INIT", raster: u32);
+
+/// Settings of random subsets. 12 bytes a pixel and subset, and 4 a pixel for the exact opacity.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageRandomSubsets {
+    /// `sizeof(PelageRandomSubsets)`.
+    pub struct_size: u32,
+    /// Subsets, from 1 to 32.
+    pub subsets: u32,
+    /// What strands are parted by: another seed, another picture.
+    pub seed: u32,
+    /// 1: a pixel has the opacity of all its fragments; 0: as published, only that of those that are kept.
+    pub exact_alpha: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageRandomSubsets {
+    fn default() -> Self {
+        let settings = RandomSubsets::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            subsets: settings.subsets,
+            seed: settings.seed,
+            exact_alpha: u32::from(settings.exact_alpha),
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageRandomSubsets, "PELAGE_RANDOM_SUBSETS_INIT", raster: u32);
+
+/// Settings of sorted blending. It draws ribbons, whatever their width.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageSortedBlending {
+    /// `sizeof(PelageSortedBlending)`.
+    pub struct_size: u32,
+    /// Bins of depth, from 1 to 4096.
+    pub bins: u32,
+    /// `PELAGE_BLEND_ORDER_…`.
+    pub order: u32,
+    /// Frames after a sorted one that take its order, as long as they draw the same hair; 0: every frame is sorted.
+    pub reuse: u32,
+    /// 0: blended as 16-bit floats, 8 bytes a pixel; 1: as 32-bit floats where the device blends these, 16 bytes a pixel.
+    pub full_precision: u32,
+}
+
+impl Default for PelageSortedBlending {
+    fn default() -> Self {
+        let settings = SortedBlending::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            bins: settings.bins,
+            order: PELAGE_BLEND_ORDER_BACK_TO_FRONT,
+            reuse: settings.reuse,
+            full_precision: u32::from(settings.full_precision),
+        }
+    }
+}
+
+descriptor!(PelageSortedBlending, "PELAGE_SORTED_BLENDING_INIT", full_precision: u32);
+
 /// A transparency technique with its settings.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -549,6 +689,14 @@ pub struct PelageTransparency {
     pub opaque: *const PelageOpaque,
     /// For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     pub a_buffer: *const PelageABuffer,
+    /// For `PELAGE_TRANSPARENCY_WEIGHTED_BLENDED`; NULL: as `PELAGE_WEIGHTED_BLENDED_INIT`.
+    pub weighted_blended: *const PelageWeightedBlended,
+    /// For `PELAGE_TRANSPARENCY_DEPTH_PEELING`; NULL: as `PELAGE_DEPTH_PEELING_INIT`.
+    pub depth_peeling: *const PelageDepthPeeling,
+    /// For `PELAGE_TRANSPARENCY_RANDOM_SUBSETS`; NULL: as `PELAGE_RANDOM_SUBSETS_INIT`.
+    pub random_subsets: *const PelageRandomSubsets,
+    /// For `PELAGE_TRANSPARENCY_SORTED_BLENDING`; NULL: as `PELAGE_SORTED_BLENDING_INIT`.
+    pub sorted_blending: *const PelageSortedBlending,
 }
 
 impl Default for PelageTransparency {
@@ -558,11 +706,19 @@ impl Default for PelageTransparency {
             technique: PELAGE_TRANSPARENCY_A_BUFFER,
             opaque: null(),
             a_buffer: null(),
+            weighted_blended: null(),
+            depth_peeling: null(),
+            random_subsets: null(),
+            sorted_blending: null(),
         }
     }
 }
 
-descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", a_buffer: *const PelageABuffer);
+descriptor!(
+    PelageTransparency,
+    "PELAGE_TRANSPARENCY_INIT",
+    sorted_blending: *const PelageSortedBlending
+);
 
 /// What stands behind a pointer to settings, or their defaults behind NULL.
 unsafe fn settings<T: descriptor::Descriptor>(name: &str, pointer: *const T) -> Result<T> {
@@ -831,11 +987,68 @@ pub(super) unsafe fn transparency(
             // SAFETY: the rule of the module `capi`.
             Transparency::ABuffer(a_buffer(&unsafe { settings("a_buffer", given.a_buffer) }?)?)
         }
+        PELAGE_TRANSPARENCY_WEIGHTED_BLENDED => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("weighted_blended", given.weighted_blended) }?;
+            Transparency::WeightedBlended(weighted_blended(&given)?)
+        }
+        PELAGE_TRANSPARENCY_DEPTH_PEELING => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("depth_peeling", given.depth_peeling) }?;
+            Transparency::DepthPeeling(DepthPeeling {
+                peels: given.peels,
+                raster: raster(given.raster)?,
+            })
+        }
+        PELAGE_TRANSPARENCY_RANDOM_SUBSETS => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("random_subsets", given.random_subsets) }?;
+            Transparency::RandomSubsets(RandomSubsets {
+                subsets: given.subsets,
+                seed: given.seed,
+                exact_alpha: switch("exact_alpha", given.exact_alpha)?,
+                raster: raster(given.raster)?,
+            })
+        }
+        PELAGE_TRANSPARENCY_SORTED_BLENDING => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("sorted_blending", given.sorted_blending) }?;
+            Transparency::SortedBlending(sorted_blending(&given)?)
+        }
         unknown => {
             return invalid!("{name}: technique {unknown} is not one of PELAGE_TRANSPARENCY_…");
         }
     };
     transparency.validate().map(|()| Some(transparency))
+}
+
+fn weighted_blended(given: &PelageWeightedBlended) -> Result<WeightedBlended> {
+    let weight = match given.weight {
+        PELAGE_WEIGHT_UNIFORM => Weight::Uniform,
+        PELAGE_WEIGHT_CUBIC => Weight::Cubic,
+        PELAGE_WEIGHT_EXPONENTIAL => Weight::Exponential {
+            falloff: given.falloff,
+        },
+        unknown => return invalid!("weight {unknown} is not one of PELAGE_WEIGHT_…"),
+    };
+    Ok(WeightedBlended {
+        weight,
+        raster: raster(given.raster)?,
+    })
+}
+
+fn sorted_blending(given: &PelageSortedBlending) -> Result<SortedBlending> {
+    let order = match given.order {
+        PELAGE_BLEND_ORDER_BACK_TO_FRONT => BlendOrder::BackToFront,
+        PELAGE_BLEND_ORDER_FRONT_TO_BACK => BlendOrder::FrontToBack,
+        unknown => return invalid!("order {unknown} is not one of PELAGE_BLEND_ORDER_…"),
+    };
+    Ok(SortedBlending {
+        bins: given.bins,
+        order,
+        reuse: given.reuse,
+        full_precision: switch("full_precision", given.full_precision)?,
+    })
 }
 
 fn a_buffer(given: &PelageABuffer) -> Result<ABuffer> {

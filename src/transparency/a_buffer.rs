@@ -17,6 +17,7 @@ const COUNT: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/tail_emit",
         "transparency/a_buffer_emit",
     ],
     group: Group::PixelsWritten,
@@ -297,6 +298,10 @@ fn scan(
 /// The files that supply `resolve(pixel)`.
 pub(crate) fn resolve_module(common: Module, storage: Storage) -> Module {
     common
-        .and(&["transparency/overflow", "transparency/a_buffer"])
+        .and(&[
+            "transparency/overflow",
+            "transparency/tail",
+            "transparency/a_buffer",
+        ])
         .with("LISTS", Constant::Bool(storage == Storage::Lists))
 }

@@ -1,13 +1,22 @@
 //! Transparency techniques: how a pixel's fragments become one colour.
 
 pub mod a_buffer;
+pub mod depth_peeling;
+pub(crate) mod nearest;
 pub mod opaque;
+pub mod random_subsets;
+pub mod sorted_blending;
+pub mod weighted_blended;
 
 pub use a_buffer::{ABuffer, Storage};
+pub use depth_peeling::DepthPeeling;
 pub use opaque::Opaque;
+pub use random_subsets::RandomSubsets;
+pub use sorted_blending::{BlendOrder, SortedBlending};
+pub use weighted_blended::{Weight, WeightedBlended};
 
 use crate::error::Result;
-use crate::gpu::{Gpu, Passes};
+use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
 use crate::raster::{Draw, Raster};
 use crate::resources::Bound;
@@ -21,6 +30,14 @@ pub enum Transparency {
     Opaque(Opaque),
     /// Every fragment stored, sorted and composited.
     ABuffer(ABuffer),
+    /// A mean of all fragments, weighed by depth, at their exact opacity.
+    WeightedBlended(WeightedBlended),
+    /// The nearest fragments found one after the other, the rest merged.
+    DepthPeeling(DepthPeeling),
+    /// The nearest fragment of each of some random subsets of the strands.
+    RandomSubsets(RandomSubsets),
+    /// Segments sorted into bins of depth, and blended in that order.
+    SortedBlending(SortedBlending),
 }
 
 impl Default for Transparency {
@@ -35,6 +52,10 @@ impl Transparency {
         match self {
             Self::Opaque(_) => "opaque",
             Self::ABuffer(_) => "a_buffer",
+            Self::WeightedBlended(_) => "weighted_blended",
+            Self::DepthPeeling(_) => "depth_peeling",
+            Self::RandomSubsets(_) => "random_subsets",
+            Self::SortedBlending(_) => "sorted_blending",
         }
     }
 
@@ -46,6 +67,10 @@ impl Transparency {
         match self {
             Self::Opaque(_) => Ok(()),
             Self::ABuffer(settings) => settings.validate(),
+            Self::WeightedBlended(settings) => settings.validate(),
+            Self::DepthPeeling(settings) => settings.validate(),
+            Self::RandomSubsets(settings) => settings.validate(),
+            Self::SortedBlending(settings) => settings.validate(),
         }
     }
 
@@ -54,6 +79,11 @@ impl Transparency {
         match self {
             Self::Opaque(settings) => settings.raster,
             Self::ABuffer(settings) => settings.raster,
+            Self::WeightedBlended(settings) => settings.raster,
+            Self::DepthPeeling(settings) => settings.raster,
+            Self::RandomSubsets(settings) => settings.raster,
+            // For what is sought beside the picture.
+            Self::SortedBlending(_) => Raster::Auto,
         }
     }
 }
@@ -86,6 +116,11 @@ impl Fragments {
     pub fn linked(&self) -> bool {
         matches!(self, Self::Pool { linked: true, .. })
     }
+
+    /// Whether there is a pool, which may be too small.
+    pub fn pooled(&self) -> bool {
+        matches!(self, Self::Pool { .. })
+    }
 }
 
 impl Transparency {
@@ -94,14 +129,47 @@ impl Transparency {
         match self {
             Self::Opaque(_) => opaque::needs(pixels),
             Self::ABuffer(settings) => settings.needs(pixels),
+            Self::WeightedBlended(_) => weighted_blended::needs(pixels),
+            Self::DepthPeeling(_) => depth_peeling::needs(pixels),
+            Self::RandomSubsets(settings) => settings.needs(pixels),
+            Self::SortedBlending(_) => sorted_blending::NEEDS,
         }
     }
 
-    /// The most pixels of which each buffer of the technique fits into `binding` bytes.
-    pub(crate) fn most_pixels(&self, binding: u64) -> u64 {
-        // A part of the bytes may be for each block of pixels, so that the estimate from many is fair.
+    /// Whether each pixel's nearest fragment must be sought beside the technique, where a frame asks for it.
+    pub(crate) fn seeks_nearest(&self) -> bool {
+        match self {
+            Self::Opaque(_) | Self::ABuffer(_) | Self::RandomSubsets(_) => false,
+            Self::WeightedBlended(_) | Self::DepthPeeling(_) | Self::SortedBlending(_) => true,
+        }
+    }
+
+    /// The settings as the shaders read them: `frame.technique`.
+    pub(crate) fn values(&self) -> [f32; 4] {
+        match self {
+            Self::Opaque(_) | Self::ABuffer(_) | Self::DepthPeeling(_) => [0.0; 4],
+            // The plan knows the sort.
+            Self::SortedBlending(_) => [0.0; 4],
+            Self::WeightedBlended(settings) => settings.values(),
+            Self::RandomSubsets(settings) => settings.values(),
+        }
+    }
+
+    /// What strands' hashes are made with: `frame.seed`.
+    pub(crate) fn seed(&self) -> u32 {
+        match self {
+            Self::RandomSubsets(settings) => settings.seed,
+            _ => 0,
+        }
+    }
+}
+
+impl Needs {
+    /// The most pixels of which each buffer fits into `binding` bytes, from what many need: a part of the bytes may be for
+    /// each block of pixels.
+    pub(crate) fn most_pixels(of: impl Fn(u64) -> Needs, binding: u64) -> u64 {
         const MANY: u64 = 1 << 20;
-        let needs = self.needs(MANY);
+        let needs = of(MANY);
         let fixed = match needs.fragments {
             Fragments::Fixed(bytes) => bytes,
             Fragments::Pool { .. } => 0,
@@ -110,6 +178,14 @@ impl Transparency {
         // A little is kept for what is rounded up.
         (u128::from(binding.saturating_sub(1024)) * u128::from(MANY) / u128::from(largest.max(1)))
             as u64
+    }
+}
+
+/// The bind group that the composite reads.
+pub(crate) fn read_group(transparency: &Transparency) -> Group {
+    match transparency {
+        Transparency::SortedBlending(_) => Group::BlendedRead,
+        _ => Group::PixelsRead,
     }
 }
 
@@ -134,16 +210,32 @@ pub(crate) fn record(
         Transparency::ABuffer(settings) => {
             a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage)
         }
+        Transparency::WeightedBlended(_) => {
+            weighted_blended::record(gpu, passes, bound, band, &draw, plan)
+        }
+        Transparency::DepthPeeling(settings) => {
+            depth_peeling::record(gpu, passes, bound, band, &draw, plan, settings.peels)
+        }
+        Transparency::RandomSubsets(settings) => {
+            random_subsets::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::SortedBlending(settings) => {
+            sorted_blending::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
     }
 }
 
 /// The files that supply `resolve(pixel)`.
 pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module {
-    let common =
-        Module::new(&["common/pixels", "transparency/shaded"]).with("PARTS", Constant::U32(parts));
+    let pixels = Module::new(&["common/pixels"]).with("PARTS", Constant::U32(parts));
+    let common = pixels.clone().and(&["transparency/shaded"]);
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
         Transparency::ABuffer(settings) => a_buffer::resolve_module(common, settings.storage),
+        Transparency::WeightedBlended(_) => weighted_blended::resolve_module(pixels),
+        Transparency::DepthPeeling(_) => depth_peeling::resolve_module(common),
+        Transparency::RandomSubsets(settings) => random_subsets::resolve_module(common, settings),
+        Transparency::SortedBlending(_) => sorted_blending::resolve_module(pixels),
     }
 }
 
@@ -152,6 +244,10 @@ pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
     let (technique, settings) = match transparency {
         Transparency::Opaque(_) => (0, 0),
         Transparency::ABuffer(settings) => (1, u32::from(settings.storage == Storage::Lists)),
+        Transparency::WeightedBlended(_) => (2, 0),
+        Transparency::DepthPeeling(_) => (3, 0),
+        Transparency::RandomSubsets(settings) => (4, settings.subsets),
+        Transparency::SortedBlending(_) => (5, 0),
     };
     technique << 8 | settings
 }

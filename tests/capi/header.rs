@@ -230,11 +230,44 @@ fn initialisers() -> String {
         pool_bytes
     );
     initialiser!(
+        PelageWeightedBlended,
+        "PELAGE_WEIGHTED_BLENDED_INIT",
+        weight,
+        falloff,
+        raster
+    );
+    initialiser!(
+        PelageDepthPeeling,
+        "PELAGE_DEPTH_PEELING_INIT",
+        peels,
+        raster
+    );
+    initialiser!(
+        PelageRandomSubsets,
+        "PELAGE_RANDOM_SUBSETS_INIT",
+        subsets,
+        seed,
+        exact_alpha,
+        raster
+    );
+    initialiser!(
+        PelageSortedBlending,
+        "PELAGE_SORTED_BLENDING_INIT",
+        bins,
+        order,
+        reuse,
+        full_precision
+    );
+    initialiser!(
         PelageTransparency,
         "PELAGE_TRANSPARENCY_INIT",
         technique,
         opaque,
-        a_buffer
+        a_buffer,
+        weighted_blended,
+        depth_peeling,
+        random_subsets,
+        sorted_blending
     );
     initialiser!(
         PelageView,

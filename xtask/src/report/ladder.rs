@@ -9,7 +9,10 @@ use pelage::shading::{
     Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
-use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{
+    ABuffer, BlendOrder, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
+    Transparency, Weight, WeightedBlended,
+};
 use serde_json::Value;
 
 use super::Group;
@@ -241,5 +244,61 @@ pub fn cases(quick: bool) -> Vec<Case> {
             });
         }
     }
+    let others = blended(quick);
+    cases.extend(others.into_iter().map(|transparency| Case {
+        transparency,
+        ..base.clone()
+    }));
     cases
+}
+
+/// The techniques that keep a bounded part of a pixel's fragments, or none.
+fn blended(quick: bool) -> Vec<Transparency> {
+    let mut ladder = Vec::new();
+    let weights = [3.0, 6.0, 12.0, 24.0].map(|falloff| Weight::Exponential { falloff });
+    for weight in [Weight::Uniform, Weight::Cubic].into_iter().chain(weights) {
+        ladder.push(Transparency::WeightedBlended(WeightedBlended {
+            weight,
+            ..Default::default()
+        }));
+    }
+    let peels: &[u32] = if quick {
+        &[1, 4]
+    } else {
+        &[1, 2, 4, 8, 16, 64, 256]
+    };
+    for &peels in peels {
+        ladder.push(Transparency::DepthPeeling(DepthPeeling {
+            peels,
+            ..Default::default()
+        }));
+    }
+    for subsets in [2, 4, 8, 16] {
+        for exact_alpha in [false, true] {
+            ladder.push(Transparency::RandomSubsets(RandomSubsets {
+                subsets,
+                exact_alpha,
+                ..Default::default()
+            }));
+        }
+    }
+    for bins in [16, 64, 256, 1024, 4096] {
+        ladder.push(Transparency::SortedBlending(SortedBlending {
+            bins,
+            ..Default::default()
+        }));
+    }
+    for (order, full_precision, reuse) in [
+        (BlendOrder::FrontToBack, false, 0),
+        (BlendOrder::BackToFront, true, 0),
+        (BlendOrder::BackToFront, false, 1_000_000),
+    ] {
+        ladder.push(Transparency::SortedBlending(SortedBlending {
+            order,
+            full_precision,
+            reuse,
+            ..Default::default()
+        }));
+    }
+    ladder
 }
