@@ -1602,7 +1602,7 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
-#define PELAGE_WEIGHTED_BLENDED_INIT { sizeof(PelageWeightedBlended), 2, 12.0f, 0 }
+#define PELAGE_WEIGHTED_BLENDED_INIT { sizeof(PelageWeightedBlended), 2, 4.0f, 0 }
 #define PELAGE_DEPTH_PEELING_INIT { sizeof(PelageDepthPeeling), 16, 0 }
 #define PELAGE_RANDOM_SUBSETS_INIT { sizeof(PelageRandomSubsets), 8, 0, 1, 0 }
 #define PELAGE_SORTED_BLENDING_INIT { sizeof(PelageSortedBlending), 1024, 0, 0, 0 }

@@ -90,6 +90,8 @@ pub(crate) struct Plan {
     pub sorting: Sorting,
     /// Whether this frame sorts anew.
     pub sort: bool,
+    /// Whether the technique cuts off what cannot be seen.
+    pub cuts: bool,
     /// Whether an output asks for a record of each point.
     pub tracked: bool,
     /// The pixel of the target that the view begins at.
@@ -278,6 +280,7 @@ impl Plan {
             sought,
             sorting: Sorting::default(),
             sort: false,
+            cuts: matches!(transparency, Transparency::DbkBuffer(_)),
             tracked: target.outputs.wanted().1,
             origin: [left, top],
             parts: 1,
@@ -295,8 +298,12 @@ impl Plan {
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
                 origin: [left, top],
+                cut_depth: transparency.cut_depth(),
+                depth_shift: transparency.depth_shift(),
                 seed: transparency.seed(),
                 padding_0: 0,
+                padding_1: 0,
+                padding_2: 0,
                 place_of_depth: place_of_depth(&clip_from_relative, &placed, frame.view.reverse_z),
                 technique: transparency.values(),
                 lights: bytemuck::Zeroable::zeroed(),

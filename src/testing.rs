@@ -11,9 +11,9 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage, Transparency,
-    WeightedBlended, a_buffer, depth_peeling, nearest, opaque, random_subsets, resolve_module,
-    sorted_blending, weighted_blended,
+    ABuffer, DbkBuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage, Transparency,
+    WeightedBlended, a_buffer, dbk_buffer, depth_peeling, nearest, opaque, random_subsets,
+    resolve_module, sorted_blending, weighted_blended,
 };
 
 /// A module that the crate can build.
@@ -63,6 +63,7 @@ pub fn combinations() -> Vec<Combination> {
         .chain(&weighted_blended::EMISSIONS)
         .chain(&depth_peeling::EMISSIONS)
         .chain(&random_subsets::EMISSIONS)
+        .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
@@ -75,6 +76,10 @@ pub fn combinations() -> Vec<Combination> {
     let counted = Transparency::ABuffer(ABuffer::default());
     let lists = Transparency::ABuffer(ABuffer {
         storage: Storage::Lists,
+        ..Default::default()
+    });
+    let by_shift = Transparency::DbkBuffer(DbkBuffer {
+        depth_shift: Some(1.0),
         ..Default::default()
     });
     for (name, technique) in [
@@ -97,6 +102,8 @@ pub fn combinations() -> Vec<Combination> {
             "sorted_blending",
             Transparency::SortedBlending(SortedBlending::default()),
         ),
+        ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
+        ("dbk_buffer by a shift", by_shift),
     ] {
         modules.push((
             format!("composite {name}"),
@@ -119,6 +126,9 @@ pub fn combinations() -> Vec<Combination> {
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
     ));
+    modules.push(("dbk_buffer depths".into(), dbk_buffer::depths_module()));
+    modules.push(("dbk_buffer drop".into(), dbk_buffer::drop_module()));
+    modules.push(("dbk_buffer pixels".into(), dbk_buffer::pixels_module()));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
@@ -229,7 +239,7 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, seed, padding_0,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, cut_depth, depth_shift, seed, padding_0, padding_1, padding_2,
             place_of_depth, technique, lights, shadow_views,
         }
         Material { values }

@@ -11,7 +11,7 @@ use pelage::shading::{
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{
-    ABuffer, BlendOrder, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
+    ABuffer, BlendOrder, DbkBuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
     Transparency, Weight, WeightedBlended,
 };
 use pelage::{Raster, glam};
@@ -65,8 +65,9 @@ pub const TRANSPARENCY: Group = Group {
         "weighted_blended",
         "depth_peeling",
         "a_buffer",
+        "dbk_buffer",
     ],
-    default: "a_buffer",
+    default: "dbk_buffer",
 };
 /// All groups that select.
 pub const GROUPS: [Group; 3] = [SHADING, SHADOW, TRANSPARENCY];
@@ -489,6 +490,32 @@ impl SortedBlendingKeys {
     }
 }
 
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct DbkBufferKeys {
+    epsilon: f32,
+    depth_shift: Option<f32>,
+    raster: RasterKey,
+    pool_bytes: Option<u64>,
+}
+
+impl Default for DbkBufferKeys {
+    fn default() -> Self {
+        Self::of(&DbkBuffer::default())
+    }
+}
+
+impl DbkBufferKeys {
+    fn of(settings: &DbkBuffer) -> Self {
+        Self {
+            epsilon: settings.epsilon,
+            depth_shift: settings.depth_shift,
+            raster: RasterKey::of(settings.raster),
+            pool_bytes: settings.pool_bytes,
+        }
+    }
+}
+
 impl Group {
     /// The stem that a group's map selects, known to this build.
     pub fn stem(&self, map: &Map<String, Value>) -> Result<&'static str> {
@@ -548,6 +575,7 @@ impl Group {
             "depth_peeling" => json!(DepthPeelingKeys::default()),
             "random_subsets" => json!(RandomSubsetsKeys::default()),
             "sorted_blending" => json!(SortedBlendingKeys::default()),
+            "dbk_buffer" => json!(DbkBufferKeys::default()),
             _ => json!(NoKeys::default()),
         };
         settings
@@ -693,6 +721,15 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
             let keys: SortedBlendingKeys = TRANSPARENCY.settings(stem, map)?;
             Ok(Transparency::SortedBlending(keys.settings()))
         }
+        "dbk_buffer" => {
+            let keys: DbkBufferKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::DbkBuffer(DbkBuffer {
+                epsilon: keys.epsilon,
+                depth_shift: keys.depth_shift,
+                raster: keys.raster.raster(),
+                pool_bytes: keys.pool_bytes,
+            }))
+        }
         _ => unreachable!("{stem} is listed and not handled"),
     }
 }
@@ -789,6 +826,7 @@ pub fn transparency_settings(transparency: &Transparency) -> Value {
         Transparency::DepthPeeling(settings) => json!(DepthPeelingKeys::of(settings)),
         Transparency::RandomSubsets(settings) => json!(RandomSubsetsKeys::of(settings)),
         Transparency::SortedBlending(settings) => json!(SortedBlendingKeys::of(settings)),
+        Transparency::DbkBuffer(settings) => json!(DbkBufferKeys::of(settings)),
         _ => json!({}),
     };
     with_stem(transparency.stem(), settings)

@@ -102,9 +102,14 @@ struct Frame {
     part_capacity: u32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
+    // DBK-buffer: optical depth beyond which nothing is stored, and the depth shift in host units where that decides.
+    cut_depth: f32,
+    depth_shift: f32,
     // What strands' hashes are made with.
     seed: u32,
     padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
     // A depth's place in the extent of all hair along the view's axis, from 0 to 1: (x depth + y) / (z depth + w).
     place_of_depth: vec4f,
     // Settings of the transparency technique, in the order in which its files read them.

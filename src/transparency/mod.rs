@@ -1,6 +1,7 @@
 //! Transparency techniques: how a pixel's fragments become one colour.
 
 pub mod a_buffer;
+pub mod dbk_buffer;
 pub mod depth_peeling;
 pub(crate) mod nearest;
 pub mod opaque;
@@ -9,6 +10,7 @@ pub mod sorted_blending;
 pub mod weighted_blended;
 
 pub use a_buffer::{ABuffer, Storage};
+pub use dbk_buffer::DbkBuffer;
 pub use depth_peeling::DepthPeeling;
 pub use opaque::Opaque;
 pub use random_subsets::RandomSubsets;
@@ -38,6 +40,8 @@ pub enum Transparency {
     RandomSubsets(RandomSubsets),
     /// Segments sorted into bins of depth, and blended in that order.
     SortedBlending(SortedBlending),
+    /// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+    DbkBuffer(DbkBuffer),
 }
 
 impl Default for Transparency {
@@ -56,6 +60,7 @@ impl Transparency {
             Self::DepthPeeling(_) => "depth_peeling",
             Self::RandomSubsets(_) => "random_subsets",
             Self::SortedBlending(_) => "sorted_blending",
+            Self::DbkBuffer(_) => "dbk_buffer",
         }
     }
 
@@ -71,6 +76,7 @@ impl Transparency {
             Self::DepthPeeling(settings) => settings.validate(),
             Self::RandomSubsets(settings) => settings.validate(),
             Self::SortedBlending(settings) => settings.validate(),
+            Self::DbkBuffer(settings) => settings.validate(),
         }
     }
 
@@ -84,6 +90,7 @@ impl Transparency {
             Self::RandomSubsets(settings) => settings.raster,
             // For what is sought beside the picture.
             Self::SortedBlending(_) => Raster::Auto,
+            Self::DbkBuffer(settings) => settings.raster,
         }
     }
 }
@@ -133,25 +140,41 @@ impl Transparency {
             Self::DepthPeeling(_) => depth_peeling::needs(pixels),
             Self::RandomSubsets(settings) => settings.needs(pixels),
             Self::SortedBlending(_) => sorted_blending::NEEDS,
+            Self::DbkBuffer(settings) => settings.needs(pixels),
+        }
+    }
+
+    /// Optical depth beyond which the technique stores nothing; 0 where it does not ask.
+    pub(crate) fn cut_depth(&self) -> f32 {
+        match self {
+            Self::DbkBuffer(settings) => settings.cut_depth(),
+            _ => 0.0,
+        }
+    }
+
+    /// Host units behind the nearest fragment beyond which the technique stores nothing; 0 where it does not ask.
+    pub(crate) fn depth_shift(&self) -> f32 {
+        match self {
+            Self::DbkBuffer(settings) => settings.depth_shift.unwrap_or(0.0),
+            _ => 0.0,
         }
     }
 
     /// Whether each pixel's nearest fragment must be sought beside the technique, where a frame asks for it.
     pub(crate) fn seeks_nearest(&self) -> bool {
-        match self {
-            Self::Opaque(_) | Self::ABuffer(_) | Self::RandomSubsets(_) => false,
-            Self::WeightedBlended(_) | Self::DepthPeeling(_) | Self::SortedBlending(_) => true,
-        }
+        matches!(
+            self,
+            Self::WeightedBlended(_) | Self::DepthPeeling(_) | Self::SortedBlending(_)
+        )
     }
 
     /// The settings as the shaders read them: `frame.technique`.
     pub(crate) fn values(&self) -> [f32; 4] {
         match self {
-            Self::Opaque(_) | Self::ABuffer(_) | Self::DepthPeeling(_) => [0.0; 4],
-            // The plan knows the sort.
-            Self::SortedBlending(_) => [0.0; 4],
             Self::WeightedBlended(settings) => settings.values(),
             Self::RandomSubsets(settings) => settings.values(),
+            // Sorted blending's are the plan's.
+            _ => [0.0; 4],
         }
     }
 
@@ -189,6 +212,45 @@ pub(crate) fn read_group(transparency: &Transparency) -> Group {
     }
 }
 
+/// What a band's fragments are drawn into, and by which rasteriser.
+fn draw<'a>(band: &'a Band, plan: &Plan) -> Draw<'a> {
+    Draw {
+        rasteriser: plan.rasteriser,
+        splits: plan.splits,
+        size: [plan.width, plan.height],
+        rows: [band.first, band.rows],
+        drawings: &band.drawings,
+        on_overflow: false,
+    }
+}
+
+/// What must be known of a band's fragments before they are stored: their number, and which can be seen.
+pub(crate) fn count(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    plan: &Plan,
+) -> Result<()> {
+    let draw = draw(band, plan);
+    match &plan.transparency {
+        Transparency::Opaque(_) => Ok(()),
+        Transparency::ABuffer(settings) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::DbkBuffer(settings) if plan.cuts => {
+            dbk_buffer::count(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::DbkBuffer(_) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, Storage::Counted)
+        }
+        Transparency::WeightedBlended(_)
+        | Transparency::DepthPeeling(_)
+        | Transparency::RandomSubsets(_)
+        | Transparency::SortedBlending(_) => Ok(()),
+    }
+}
+
 /// Fragments of a band of rows into the technique's buffers.
 pub(crate) fn record(
     gpu: &mut Gpu,
@@ -197,14 +259,7 @@ pub(crate) fn record(
     band: &Band,
     plan: &Plan,
 ) -> Result<()> {
-    let draw = Draw {
-        rasteriser: plan.rasteriser,
-        splits: plan.splits,
-        size: [plan.width, plan.height],
-        rows: [band.first, band.rows],
-        drawings: &band.drawings,
-        on_overflow: false,
-    };
+    let draw = draw(band, plan);
     match &plan.transparency {
         Transparency::Opaque(_) => opaque::record(gpu, passes, bound, band, &draw, plan),
         Transparency::ABuffer(settings) => {
@@ -222,6 +277,12 @@ pub(crate) fn record(
         Transparency::SortedBlending(settings) => {
             sorted_blending::record(gpu, passes, bound, band, &draw, plan, settings)
         }
+        Transparency::DbkBuffer(settings) if plan.cuts => {
+            dbk_buffer::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::DbkBuffer(_) => {
+            a_buffer::record(gpu, passes, bound, band, &draw, plan, Storage::Counted)
+        }
     }
 }
 
@@ -236,6 +297,7 @@ pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module 
         Transparency::DepthPeeling(_) => depth_peeling::resolve_module(common),
         Transparency::RandomSubsets(settings) => random_subsets::resolve_module(common, settings),
         Transparency::SortedBlending(_) => sorted_blending::resolve_module(pixels),
+        Transparency::DbkBuffer(settings) => dbk_buffer::resolve_module(common, settings),
     }
 }
 
@@ -244,10 +306,11 @@ pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
     let (technique, settings) = match transparency {
         Transparency::Opaque(_) => (0, 0),
         Transparency::ABuffer(settings) => (1, u32::from(settings.storage == Storage::Lists)),
-        Transparency::WeightedBlended(_) => (2, 0),
-        Transparency::DepthPeeling(_) => (3, 0),
-        Transparency::RandomSubsets(settings) => (4, settings.subsets),
-        Transparency::SortedBlending(_) => (5, 0),
+        Transparency::DbkBuffer(settings) => (2, u32::from(settings.depth_shift.is_some())),
+        Transparency::WeightedBlended(_) => (12, 0),
+        Transparency::DepthPeeling(_) => (13, 0),
+        Transparency::RandomSubsets(settings) => (14, settings.subsets),
+        Transparency::SortedBlending(_) => (15, 0),
     };
     technique << 8 | settings
 }

@@ -18,7 +18,7 @@ const PROMISED: Tolerance = Tolerance {
     rmse: 1e-3,
     p99: 4e-3,
 };
-const SIZE: [u32; 2] = [82, 108];
+const SIZE: [u32; 2] = [64, 84];
 
 fn technique(peels: u32, raster: Raster) -> Option<Transparency> {
     Some(Transparency::DepthPeeling(DepthPeeling { peels, raster }))
@@ -27,7 +27,7 @@ fn technique(peels: u32, raster: Raster) -> Option<Transparency> {
 #[test]
 fn with_enough_peels_it_is_the_a_buffer_and_with_few_the_rest_is_one_layer() {
     let Some(mut device) = device() else { return };
-    let strands = builtin(BuiltinGroom::Straight, 1_500).unwrap();
+    let strands = builtin(BuiltinGroom::Straight, 300).unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     let lights = [unshadowed(
         DVec3::new(-0.5, -0.6, -0.7),

@@ -22,6 +22,8 @@ struct Case {
     technique: Transparency,
     /// A pixel's opacity is that of all its fragments.
     alpha: bool,
+    /// Colour and opacity are off by no more, from what the technique promises.
+    tolerance: Tolerance,
     /// Fragments of a pixel are composited in their order, if they are no more than eight.
     order: bool,
 }
@@ -34,6 +36,7 @@ fn cases() -> Vec<Case> {
             name,
             technique,
             alpha,
+            tolerance: TOLERANCE,
             order,
         })
     };
@@ -76,13 +79,26 @@ fn cases() -> Vec<Case> {
         };
         add(name, Transparency::SortedBlending(settings), true, true);
     }
+    for case in &mut cases {
+        if let Transparency::SortedBlending(settings) = case.technique
+            && !settings.full_precision
+        {
+            case.tolerance = HALF;
+        }
+    }
     cases
 }
 
-/// Half floats are the least precise of what techniques keep: half a step of 4.9e-4 for each of some layers.
+/// As of the A-buffer's overflow: opacities of 16 bits, and what lies behind a transmittance of 1/4096.
 const TOLERANCE: Tolerance = Tolerance {
     rmse: 2e-3,
     p99: 6e-3,
+};
+/// Blending into half floats rounds at every layer, by up to 2.4e-4 near 1, and loses layers fainter than that: measured RMSE
+/// 2.5e-3 in wavy hair, with 0.05 in one pixel.
+const HALF: Tolerance = Tolerance {
+    rmse: 5e-3,
+    p99: 0.012,
 };
 
 const SIZE: [u32; 2] = [32, 32];
@@ -132,7 +148,12 @@ fn strands_that_lie_side_by_side_look_alike_by_every_technique() {
             let frame = frame(&hairs, &lights, &case, pixel_view(SIZE, 10.0));
             let (actual, _) = render(&mut device, &frame, SIZE);
             let name = format!("side by side, {}, {opacity}", case.name);
-            assert_close(&name, &actual, &reference(&frame, SIZE, None), TOLERANCE);
+            assert_close(
+                &name,
+                &actual,
+                &reference(&frame, SIZE, None),
+                case.tolerance,
+            );
         }
     }
 }
@@ -154,7 +175,7 @@ fn opacity_is_exact_and_a_frame_drawn_again_is_the_same() {
             let (actual, _) = render(&mut device, &frame, size);
             let name = format!("{}, opacity {opacity}", case.name);
             let alpha = alpha_error(&actual, expected, None);
-            let fine = alpha.rmse < TOLERANCE.rmse && alpha.p99 < TOLERANCE.p99;
+            let fine = alpha.rmse < case.tolerance.rmse && alpha.p99 < case.tolerance.p99;
             assert!(fine || !case.alpha, "{name}: {alpha:?}");
             assert!(finite(&actual), "{name}");
             let (again, _) = render(&mut device, &frame, size);
@@ -197,7 +218,12 @@ fn strands_at_one_depth_make_one_picture() {
             let (actual, _) = render(&mut device, &frame, SIZE);
             let name = format!("one depth, {}, {opacity}", case.name);
             if case.alpha {
-                assert_close(&name, &actual, &reference(&frame, SIZE, None), TOLERANCE);
+                assert_close(
+                    &name,
+                    &actual,
+                    &reference(&frame, SIZE, None),
+                    case.tolerance,
+                );
             }
             let (again, _) = render(&mut device, &frame, SIZE);
             assert_identical(&name, &again, &actual);
@@ -232,10 +258,10 @@ fn strands_through_the_near_plane_are_cut_there() {
         let name = format!("near plane, {}", case.name);
         assert!(finite(&actual), "{name}");
         if case.order {
-            assert_close(&name, &actual, &expected, TOLERANCE);
+            assert_close(&name, &actual, &expected, case.tolerance);
         } else if case.alpha {
             let alpha = alpha_error(&actual, &expected, None);
-            assert!(alpha.p99 < TOLERANCE.p99, "{name}: {alpha:?}");
+            assert!(alpha.p99 < case.tolerance.p99, "{name}: {alpha:?}");
         }
     }
 }
@@ -262,11 +288,11 @@ fn viewports_of_one_pixel_and_of_one_row_are_drawn() {
             let name = format!("{size:?}, {}", case.name);
             let alpha = alpha_error(&actual, &expected, None);
             assert!(
-                !case.alpha || alpha.p99 < TOLERANCE.p99,
+                !case.alpha || alpha.p99 < case.tolerance.p99,
                 "{name}: {alpha:?}"
             );
             if case.order {
-                assert_close(&name, &actual, &expected, TOLERANCE);
+                assert_close(&name, &actual, &expected, case.tolerance);
             }
         }
     }
@@ -396,11 +422,11 @@ fn a_million_fragments_of_one_pixel_neither_overflow_nor_hang() {
             if !case.alpha {
                 continue;
             }
-            assert!((alpha - 1.0).abs() < TOLERANCE.p99, "{name}: {alpha}");
+            assert!((alpha - 1.0).abs() < case.tolerance.p99, "{name}: {alpha}");
             // All have one colour, whatever their weights.
             for (got, expected) in [red, green, blue].into_iter().zip([1.0, 0.7, 0.4]) {
                 assert!(
-                    (got - expected).abs() < TOLERANCE.p99,
+                    (got - expected).abs() < case.tolerance.p99,
                     "{name}: {:?}",
                     image.pixels[0]
                 );
@@ -446,14 +472,19 @@ fn many_grooms_of_one_view_are_composited_in_their_order() {
             let (actual, _) = render(&mut device, &frame, SIZE);
             if case.order {
                 let name = format!("three grooms, {}", case.name);
-                assert_close(&name, &actual, &reference(&frame, SIZE, None), TOLERANCE);
+                assert_close(
+                    &name,
+                    &actual,
+                    &reference(&frame, SIZE, None),
+                    case.tolerance,
+                );
             }
             actual
         });
         // Subsets are hashes of the hair's place in the frame.
         if !matches!(case.technique, Transparency::RandomSubsets(_)) {
             let name = format!("three grooms in another order, {}", case.name);
-            assert_close(&name, &other, &one, TOLERANCE);
+            assert_close(&name, &other, &one, case.tolerance);
         }
     }
 }
