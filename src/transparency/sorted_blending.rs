@@ -42,7 +42,8 @@ pub struct SortedBlending {
     /// Frames after a sorted one that take its order, as long as they draw the same hair with the same opacity; 0: every
     /// frame is sorted. Frames are sorted until one that was is known to have run.
     pub reuse: u32,
-    /// Blended as 32-bit floats where the device blends these, instead of 16-bit ones.
+    /// Blended as 32-bit floats where the device blends these, instead of 16-bit ones: these round at every layer and lose
+    /// layers fainter than that, for an RMSE of 2.5e-3 in dense hair.
     pub full_precision: bool,
 }
 

@@ -54,6 +54,8 @@ pub struct WeightedBlended {
 }
 
 impl Default for WeightedBlended {
+    /// The falloff that errs least on the built-in straight groom: RMSE 0.013 at opacity 0.3 and 0.018 at 1, where 12 gives 0.019
+    /// and 0.021, and a uniform weight 0.013 and 0.029.
     fn default() -> Self {
         Self {
             weight: Weight::Exponential { falloff: 4.0 },

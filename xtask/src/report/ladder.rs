@@ -255,7 +255,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
 /// The techniques that keep a bounded part of a pixel's fragments, or none.
 fn blended(quick: bool) -> Vec<Transparency> {
     let mut ladder = Vec::new();
-    let weights = [3.0, 6.0, 12.0, 24.0].map(|falloff| Weight::Exponential { falloff });
+    let weights = [2.0, 4.0, 8.0, 16.0].map(|falloff| Weight::Exponential { falloff });
     for weight in [Weight::Uniform, Weight::Cubic].into_iter().chain(weights) {
         ladder.push(Transparency::WeightedBlended(WeightedBlended {
             weight,
