@@ -8,6 +8,7 @@ use std::time::Instant;
 use crate::error::{Error, Result};
 use crate::raster::Rasteriser;
 use crate::shader::Module;
+use crate::shading::Shader;
 use crate::statistics::PassTime;
 
 /// The kinds of bind groups. Their numbers in WGSL: frame 0, geometry 1, shadow maps 2, pixels 3.
@@ -16,11 +17,13 @@ pub(crate) enum Group {
     Frame,
     HostTiles,
     Project,
+    Order,
     Segments,
     Shade,
     Track,
     PointOutputs,
     TablesWritten,
+    TablesRead,
     Gather,
     Guided,
     MapsWritten,
@@ -32,15 +35,17 @@ pub(crate) enum Group {
     BlendedRead,
 }
 
-const GROUPS: [Group; 16] = [
+const GROUPS: [Group; 18] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
+    Group::Order,
     Group::Segments,
     Group::Shade,
     Group::Track,
     Group::PointOutputs,
     Group::TablesWritten,
+    Group::TablesRead,
     Group::Gather,
     Group::Guided,
     Group::MapsWritten,
@@ -60,11 +65,13 @@ impl Group {
             Self::Frame => 0,
             Self::HostTiles
             | Self::Project
+            | Self::Order
             | Self::Segments
             | Self::Shade
             | Self::Track
             | Self::PointOutputs
             | Self::TablesWritten
+            | Self::TablesRead
             | Self::Gather
             | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
@@ -113,6 +120,9 @@ impl Group {
             Self::Project => (0..4)
                 .map(|binding| storage(binding, Stages::COMPUTE, binding != 2))
                 .collect(),
+            Self::Order => (0..3)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding == 0))
+                .collect(),
             Self::Segments => (0..2)
                 .map(|binding| storage(binding, raster | Stages::VERTEX, true))
                 .collect(),
@@ -124,6 +134,7 @@ impl Group {
                 .collect(),
             Self::PointOutputs => vec![storage(0, Stages::FRAGMENT, true)],
             Self::TablesWritten => vec![storage(0, Stages::COMPUTE, false)],
+            Self::TablesRead => vec![storage(0, Stages::FRAGMENT, true)],
             Self::Gather => std::iter::once(uniform(0, false))
                 .chain((1..5).map(|binding| storage(binding, Stages::COMPUTE, binding < 4)))
                 .collect(),
@@ -248,6 +259,8 @@ pub(crate) struct PipelineKey {
     pub rasteriser: Option<Rasteriser>,
     pub colour: Option<wgpu::TextureFormat>,
     pub depth: Option<wgpu::TextureFormat>,
+    /// The shading model, where fragments are shaded.
+    pub shading: Option<Shader>,
     pub variant: u32,
 }
 
@@ -258,6 +271,7 @@ impl PipelineKey {
             rasteriser: None,
             colour: None,
             depth: None,
+            shading: None,
             variant: 0,
         }
     }

@@ -7,10 +7,11 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, ImageAllocation, Passes};
-use crate::layout::{Counters, PointOutput, Projected};
+use crate::layout::{Counters, ORDER_KEYS, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
-use crate::shading::tables;
+use crate::shading::{ShadingRate, tables, transmission};
+use crate::surface::{Subresource, Surface};
 use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 use crate::transparency::{Fragments, Transparency, read_group};
 
@@ -60,12 +61,13 @@ struct Slot {
     sorts: u64,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
-    depth: Option<wgpu::Texture>,
+    depth: Option<(wgpu::Texture, Subresource)>,
 }
 
 /// One run's bind groups.
 pub(crate) struct RunGroups {
     pub project: wgpu::BindGroup,
+    pub order: wgpu::BindGroup,
     pub segments: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
     /// Where an output asks for it.
@@ -98,10 +100,13 @@ struct Order {
 struct Groups {
     serials: Vec<u64>,
     generation: u64,
+    rate: ShadingRate,
     tracked: bool,
     point_outputs: wgpu::BindGroup,
     tables: u64,
     tables_written: Option<wgpu::BindGroup>,
+    /// Where fragments are shaded.
+    tables_read: Option<wgpu::BindGroup>,
     runs: Vec<RunGroups>,
     host_tiles: wgpu::BindGroup,
     maps_written: wgpu::BindGroup,
@@ -120,6 +125,8 @@ pub(crate) struct Bound<'a> {
     pub host_tiles: &'a wgpu::BindGroup,
     /// The shading models' tables, where they are still to be filled.
     pub tables: Option<&'a wgpu::BindGroup>,
+    /// The same, where fragments are shaded and read them.
+    pub tables_read: Option<&'a wgpu::BindGroup>,
     pub maps_written: &'a wgpu::BindGroup,
     pub maps_read: &'a wgpu::BindGroup,
     pub pixels_written: &'a wgpu::BindGroup,
@@ -129,6 +136,7 @@ pub(crate) struct Bound<'a> {
     pub histogram: &'a Allocation,
     pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
+    pub order_counts: &'a wgpu::Buffer,
     /// A copy of the counters, for the arguments in them.
     pub arguments: &'a wgpu::Buffer,
     returned: &'a Allocation,
@@ -203,14 +211,19 @@ pub(crate) struct Returned {
 /// Pools, ring and bind groups.
 pub(crate) struct Resources {
     projected: Allocation,
+    /// The order of every run's segments, and its keys' counts.
+    order: Allocation,
+    order_counts: Allocation,
     shaded: Allocation,
+    fibre_points: Allocation,
     point_outputs: Allocation,
     host_tiles: Allocation,
     maps: Allocation,
     tables: tables::Held,
+    bounds: transmission::Bounds,
     pixels: Pixels,
     histogram: Allocation,
-    order: Allocation,
+    sorted: Allocation,
     blended: Option<ImageAllocation>,
     found: Order,
     arguments: Allocation,
@@ -278,11 +291,15 @@ impl Resources {
             .collect::<Result<Vec<_>>>()?;
         Ok(Self {
             projected: empty("pelage.geometry.projected")?,
+            order: empty("pelage.geometry.order")?,
+            order_counts: empty("pelage.geometry.order_counts")?,
             shaded: empty("pelage.shading.points")?,
+            fibre_points: empty("pelage.shading.fibre_points")?,
             point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
             tables: tables::Held::default(),
+            bounds: transmission::Bounds::default(),
             pixels: Pixels {
                 counters: empty("pelage.counters")?,
                 fill: empty("pelage.transparency.fill")?,
@@ -295,7 +312,7 @@ impl Resources {
                 overflow: empty("pelage.transparency.overflow")?,
             },
             histogram: empty("pelage.transparency.sorted_blending.histogram")?,
-            order: empty("pelage.transparency.sorted_blending.order")?,
+            sorted: empty("pelage.transparency.sorted_blending.order")?,
             blended: None,
             found: Order::default(),
             arguments: gpu.allocate(
@@ -339,6 +356,7 @@ impl Resources {
         if plan.runs.is_empty() {
             return Ok(());
         }
+        plan.leave_out_transmission(&mut self.bounds);
         self.tables.hold(gpu, plan)?;
         for hair in 0..plan.shadings.len() {
             let place = self.tables.place(&plan.shadings[hair]);
@@ -356,6 +374,7 @@ impl Resources {
         let key_matches = self.groups.as_ref().is_some_and(|groups| {
             groups.generation == self.generation
                 && groups.serials == plan.serials
+                && groups.rate == plan.shader.rate
                 && (groups.tracked || !plan.tracked)
                 && (groups.sorted.is_some() || plan.sorting.bins == 0)
                 && groups.tables == self.tables.serial()
@@ -380,11 +399,34 @@ impl Resources {
         )?;
         grow(
             gpu,
-            &mut self.shaded,
-            "pelage.shading.points",
-            points * 8,
+            &mut self.order,
+            "pelage.geometry.order",
+            points * 4,
             generation,
         )?;
+        grow(
+            gpu,
+            &mut self.order_counts,
+            "pelage.geometry.order_counts",
+            plan.runs.len() as u64 * ORDER_KEYS * 4,
+            generation,
+        )?;
+        match plan.shader.rate {
+            ShadingRate::Point => grow(
+                gpu,
+                &mut self.shaded,
+                "pelage.shading.points",
+                points * 8,
+                generation,
+            )?,
+            ShadingRate::Fragment => grow(
+                gpu,
+                &mut self.fibre_points,
+                "pelage.shading.fibre_points",
+                plan.fibre_point_bytes(),
+                generation,
+            )?,
+        }
         if plan.tracked {
             grow(
                 gpu,
@@ -571,7 +613,7 @@ impl Resources {
         )?;
         grow(
             gpu,
-            &mut self.order,
+            &mut self.sorted,
             "pelage.transparency.sorted_blending.order",
             plan.sorting.order_bytes(),
             generation,
@@ -619,14 +661,14 @@ impl Resources {
             sorting: gpu.bind(
                 "pelage.sorting",
                 Group::Sorting,
-                &[self.histogram.binding(), self.order.binding()],
+                &[self.histogram.binding(), self.sorted.binding()],
             ),
             segments: gpu.bind(
                 "pelage.sorted_segments",
                 Group::Segments,
                 &[
                     part(&self.projected, 0, plan.point_count, each),
-                    self.order.binding(),
+                    self.sorted.binding(),
                 ],
             ),
             read: gpu.bind(
@@ -643,10 +685,15 @@ impl Resources {
     }
 
     fn bind(&self, gpu: &Gpu, frame: &Frame, plan: &Plan) -> Groups {
+        let shaded = match plan.shader.rate {
+            ShadingRate::Point => &self.shaded,
+            ShadingRate::Fragment => &self.fibre_points,
+        };
         let runs = plan
             .runs
             .iter()
-            .map(|run| {
+            .enumerate()
+            .map(|(number, run)| {
                 let geometry = &frame.hairs[run.hair].geometry;
                 let (first, base, count) = (
                     u64::from(run.run.first),
@@ -671,7 +718,21 @@ impl Resources {
                     segments: gpu.bind(
                         "pelage.segments",
                         Group::Segments,
-                        &[projected(), part(&geometry.segments, first, count, 4)],
+                        &[projected(), part(&self.order, base, count, 4)],
+                    ),
+                    order: gpu.bind(
+                        "pelage.order",
+                        Group::Order,
+                        &[
+                            projected(),
+                            part(&self.order, base, count, 4),
+                            part(
+                                &self.order_counts,
+                                number as u64 * ORDER_KEYS,
+                                ORDER_KEYS,
+                                4,
+                            ),
+                        ],
                     ),
                     shade: gpu.bind(
                         "pelage.shade",
@@ -681,7 +742,7 @@ impl Resources {
                             attributes(),
                             geometry.colours.binding(),
                             projected(),
-                            self.shaded.binding(),
+                            shaded.binding(),
                             // Models without tables read none: anything will do.
                             self.tables.buffer().unwrap_or(&geometry.colours).binding(),
                         ],
@@ -714,7 +775,7 @@ impl Resources {
             &pool.fragments[1],
             &pool.fragments[2],
             &pool.overflow,
-            &self.shaded,
+            shaded,
         ]
         .into_iter()
         .map(Allocation::binding)
@@ -722,6 +783,7 @@ impl Resources {
         Groups {
             serials: plan.serials.clone(),
             generation: self.generation,
+            rate: plan.shader.rate,
             tracked: plan.tracked,
             point_outputs: gpu.bind(
                 "pelage.point_outputs",
@@ -733,6 +795,15 @@ impl Resources {
                 gpu.bind(
                     "pelage.shading.tables",
                     Group::TablesWritten,
+                    &[buffer.binding()],
+                )
+            }),
+            tables_read: plan.shader.of_fragments().map(|_| {
+                // Models without tables read none: anything will do.
+                let buffer = self.tables.buffer().unwrap_or(&self.projected);
+                gpu.bind(
+                    "pelage.shading.tables_read",
+                    Group::TablesRead,
                     &[buffer.binding()],
                 )
             }),
@@ -767,12 +838,14 @@ impl Resources {
             return Ok(());
         };
         gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
-        if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
-            let bind = |depth: &wgpu::Texture| {
-                let view = depth.create_view(&wgpu::TextureViewDescriptor {
-                    aspect: wgpu::TextureAspect::DepthOnly,
-                    ..Default::default()
-                });
+        let depth = target.depth_surface();
+        let held = slot
+            .depth
+            .as_ref()
+            .map(|(texture, at)| Surface { texture, at: *at });
+        if stale || slot.frame.is_none() || held != depth {
+            let bind = |depth: Surface| {
+                let view = depth.view(wgpu::TextureAspect::DepthOnly);
                 let block = |size: usize| {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &uniforms.buffer,
@@ -791,9 +864,13 @@ impl Resources {
                     ],
                 )
             };
-            slot.frame = Some(bind(target.depth.unwrap_or(&self.no_depth)));
-            slot.frame_without_depth = Some(bind(&self.no_depth));
-            slot.depth = target.depth.cloned();
+            let none = Surface {
+                texture: &self.no_depth,
+                at: Subresource::default(),
+            };
+            slot.frame = Some(bind(depth.unwrap_or(none)));
+            slot.frame_without_depth = Some(bind(none));
+            slot.depth = depth.map(|depth| (depth.texture.clone(), depth.at));
         }
         slot.bands = plan.bands.len() as u64;
         slot.lists = plan.transparency.needs(0).fragments.linked();
@@ -817,6 +894,7 @@ impl Resources {
             runs: &groups.runs,
             host_tiles: &groups.host_tiles,
             tables: groups.tables_written.as_ref().filter(|_| slot.fills > 0),
+            tables_read: groups.tables_read.as_ref(),
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
             pixels_written: &groups.pixels_written,
@@ -824,6 +902,7 @@ impl Resources {
             sorted: groups.sorted.as_ref(),
             histogram: &self.histogram,
             point_outputs: &groups.point_outputs,
+            order_counts: &self.order_counts.buffer,
             pixels: &self.pixels,
             attachment: self
                 .attachment

@@ -43,6 +43,12 @@ struct Drawing {
     hair: u32,
     // The run's first chunk in the sort of sorted blending.
     chunk_base: u32,
+    // Where per-fragment shading keeps the run's parameters, in vectors; the run's number; the hair's largest radius, in
+    // relative space.
+    fibre_run: u32,
+    fibre_run_number: u32,
+    largest_radius: f32,
+    padding_0: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -105,11 +111,12 @@ struct Frame {
     // DBK-buffer: optical depth beyond which nothing is stored, and the depth shift in host units where that decides.
     cut_depth: f32,
     depth_shift: f32,
+    // Where the runs' parameters begin among the points of per-fragment shading, in vectors.
+    fibre_runs: u32,
     // What strands' hashes are made with.
     seed: u32,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
     // A depth's place in the extent of all hair along the view's axis, from 0 to 1: (x depth + y) / (z depth + w).
     place_of_depth: vec4f,
     // Settings of the transparency technique, in the order in which its files read them.
@@ -124,8 +131,14 @@ const FRAME_NEAREST: u32 = 2u;
 
 // The parameters of a hair's shading model, in the order in which its file reads them.
 struct Material {
-    values: array<vec4f, 16>,
+    values: array<vec4f, MATERIAL_VECTORS>,
 }
+
+const MATERIAL_VECTORS: u32 = 16u;
+
+// Vectors of a point, and of a run, in the pool of per-fragment shading.
+const FIBRE_POINT_VECTORS: u32 = 2u;
+const FIBRE_RUN_VECTORS: u32 = 17u;
 
 // Counters of a frame, read back by the host some frames later.
 struct Counters {

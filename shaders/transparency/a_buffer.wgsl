@@ -10,7 +10,6 @@
 @group(3) @binding(3) var<storage, read> fragments_0: array<u32>;
 @group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
 @group(3) @binding(5) var<storage, read> fragments_2: array<u32>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 // What lies behind this transmittance changes a pixel by less than 1/4096 of its own radiance.
 const A_BUFFER_UNSEEN: f32 = 0.000244140625;
@@ -65,6 +64,7 @@ fn a_buffer_first(number: u32) -> u32 {
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    shaded_begin(pixel);
     let number = pixel_number(pixel);
     let first = a_buffer_first(number);
     var count = 0u;
@@ -249,10 +249,10 @@ fn nearest(pixel: vec2u) -> Nearest {
     var transmittance = exp(-f32(depth) / OPTICAL_DEPTH_SCALE);
     let overflowed = select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
     if overflowed {
-        let tail = tail_of(number);
-        transmittance *= tail.w;
+        let through = tail_through(number);
+        transmittance *= through;
         // Where nothing was stored, the depth that the tail begins at is all that is known.
-        if !LISTS && near.key == A_BUFFER_NONE && tail.w < 1.0 {
+        if !LISTS && near.key == A_BUFFER_NONE && through < 1.0 {
             near.key = overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY];
         }
     }

@@ -9,7 +9,6 @@
 @group(3) @binding(3) var<storage, read_write> fragments_0: array<u32>;
 @group(3) @binding(4) var<storage, read_write> fragments_1: array<u32>;
 @group(3) @binding(5) var<storage, read_write> fragments_2: array<u32>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 var<private> a_buffer_culled: u32;
 var<private> a_buffer_capacity: u32;

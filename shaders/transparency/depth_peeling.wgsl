@@ -1,7 +1,6 @@
 // Depth peeling: the peels in their order, then the tail of what none has reached.
 
 @group(3) @binding(3) var<storage, read> peeled: array<u32>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 struct Resolved {
     // Premultiplied.
@@ -31,6 +30,7 @@ fn depth_peeling_composite(number: u32) -> vec4f {
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    shaded_begin(pixel);
     let number = pixel_number(pixel);
     return Resolved(depth_peeling_composite(number), nearest_key(number));
 }

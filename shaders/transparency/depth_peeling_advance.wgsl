@@ -3,7 +3,6 @@
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 @group(3) @binding(3) var<storage, read_write> peeled: array<u32>;
 @group(3) @binding(6) var<storage, read_write> overflow: array<u32>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 var<workgroup> depth_peeling_found: atomic<u32>;
 

@@ -9,7 +9,6 @@
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 // PEEL_… a pixel.
 @group(3) @binding(3) var<storage, read_write> peeled: array<u32>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 const STAGE_FIRST_KEY: u32 = 0u;
 const STAGE_KEY: u32 = 1u;

@@ -7,7 +7,6 @@
 @group(3) @binding(2) var<storage, read> links: array<u32>;
 @group(3) @binding(3) var<storage, read> subset_points: array<u32>;
 @group(3) @binding(6) var<storage, read> subset_values: array<u32>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 struct Resolved {
     // Premultiplied.
@@ -29,6 +28,7 @@ fn random_subsets_alpha(number: u32, kept: f32) -> f32 {
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    shaded_begin(pixel);
     let number = pixel_number(pixel);
     let first = number * SUBSETS;
     // The places of the subsets that are not empty, in order of (depth, segment): insertion, since they are few.

@@ -11,7 +11,6 @@
 @group(3) @binding(2) var<storage, read_write> links: array<atomic<u32>>;
 @group(3) @binding(3) var<storage, read_write> subset_points: array<atomic<u32>>;
 @group(3) @binding(6) var<storage, read_write> subset_values: array<atomic<u32>>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 const STAGE_NEAREST: u32 = 0u;
 const STAGE_WINNER: u32 = 1u;

@@ -1,7 +1,5 @@
-// Sorted blending: ribbons in the order of the sort, blended by fixed function. `segments` holds that order, two words a
+// Sorted blending: ribbons in the order of the sort, blended by fixed function. `order` holds it, two words a
 // segment, and `projected` the points of all hairs; the drawing's own opacity is 1.
-
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 struct BlendedVertex {
     @builtin(position) position: vec4f,
@@ -12,8 +10,8 @@ struct BlendedVertex {
 @vertex
 fn sorted_blending_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) number: u32) -> BlendedVertex {
     var out: BlendedVertex;
-    out.index = segments[2u * number];
-    out.opacity = bitcast<f32>(segments[2u * number + 1u]);
+    out.index = order[2u * number];
+    out.opacity = bitcast<f32>(order[2u * number + 1u]);
     out.position = segment_corner(segment(out.index), vertex);
     return out;
 }

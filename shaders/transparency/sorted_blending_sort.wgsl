@@ -1,13 +1,13 @@
 // Sorted blending: a counting sort of all segments by the depth of their farther end (Kim 2003, §3).
 //
-// The frame's segments lie in chunks; a chunk is counted and scattered by one invocation, one segment after the other, so
+// A run's points lie in chunks; the segments that begin there are counted and scattered by one invocation, one after the other, so
 // that segments of one bin keep their order, and a frame drawn again is the same. The histogram has a row of chunks for each
 // bin; a prefix sum over all of it gives each chunk's first place in each bin.
 
 // bins × chunks, then the bins' totals.
 @group(3) @binding(0) var<storage, read_write> histogram: array<u32>;
 // Two words a segment: its first point among the frame's pooled points, and its fibre's opacity.
-@group(3) @binding(1) var<storage, read_write> order: array<u32>;
+@group(3) @binding(1) var<storage, read_write> sorted: array<u32>;
 
 // A workgroup's part of the bins' totals.
 const SORT_INVOCATIONS: u32 = 256u;
@@ -15,7 +15,7 @@ const SORT_INVOCATIONS: u32 = 256u;
 struct Sort {
     bins: u32,
     chunks: u32,
-    // Segments of a chunk.
+    // Points of a chunk.
     each: u32,
     front_to_back: bool,
     place: vec4f,
@@ -24,6 +24,11 @@ struct Sort {
 fn sort_settings() -> Sort {
     let values = vec4u(frame.technique);
     return Sort(values.x, values.y, values.z, values.w != 0u, frame.place_of_depth);
+}
+
+// Whether a segment begins at the point; each does, seen or not, so that their number is known.
+fn sort_begins(index: u32) -> bool {
+    return (projected[index].flags & PROJECTED_LAST) == 0u;
 }
 
 // The bin of a segment, in the order in which they are drawn. Segments that are not seen may lie in any.
@@ -39,9 +44,10 @@ fn sort_bin(sort: Sort, index: u32) -> u32 {
 fn sort_count(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let sort = sort_settings();
     let chunk = invocation.x + invocation.y * groups.x * 64u;
-    let end = min((chunk + 1u) * sort.each, drawing.segment_count);
-    for (var number = chunk * sort.each; number < end; number++) {
-        let word = sort_bin(sort, segments[number]) * sort.chunks + drawing.chunk_base + chunk;
+    let end = min((chunk + 1u) * sort.each, drawing.point_count);
+    for (var index = chunk * sort.each; index < end; index++) {
+        if !sort_begins(index) { continue; }
+        let word = sort_bin(sort, index) * sort.chunks + drawing.chunk_base + chunk;
         histogram[word] += 1u;
     }
 }
@@ -96,14 +102,14 @@ fn sort_totals(@builtin(local_invocation_index) local: u32) {
 fn sort_scatter(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let sort = sort_settings();
     let chunk = invocation.x + invocation.y * groups.x * 64u;
-    let end = min((chunk + 1u) * sort.each, drawing.segment_count);
-    for (var number = chunk * sort.each; number < end; number++) {
-        let index = segments[number];
+    let end = min((chunk + 1u) * sort.each, drawing.point_count);
+    for (var index = chunk * sort.each; index < end; index++) {
+        if !sort_begins(index) { continue; }
         let bin = sort_bin(sort, index);
         let word = bin * sort.chunks + drawing.chunk_base + chunk;
         let place = histogram[sort.bins * sort.chunks + bin] + histogram[word];
         histogram[word] += 1u;
-        order[2u * place] = drawing.point_base + index;
-        order[2u * place + 1u] = bitcast<u32>(drawing.opacity);
+        sorted[2u * place] = drawing.point_base + index;
+        sorted[2u * place + 1u] = bitcast<u32>(drawing.opacity);
     }
 }

@@ -1,4 +1,4 @@
-// Merging fragments into their pixel's tail.
+// Merging fragments into their pixel's tail. `tail_sums_emit` or `tail_samples_emit` keeps what the colour is found by.
 
 @group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
 
@@ -12,11 +12,7 @@ fn tail_add(number: u32, sum: u32, value: f32) {
 }
 
 fn tail_merge(number: u32, fragment: Fragment) {
-    let colour = shaded_colour(fragment.point, fragment.along);
-    let steps = min(fragment.opacity * colour * frame.tail_scale, vec3f(TAIL_LARGEST));
     tail_add(number, TAIL_DEPTH, optical_depth(fragment.opacity) * TAIL_DEPTH_SCALE);
     tail_add(number, TAIL_WEIGHT, fragment.opacity * TAIL_WEIGHT_SCALE);
-    tail_add(number, TAIL_COLOUR, steps.x);
-    tail_add(number, TAIL_COLOUR + 1u, steps.y);
-    tail_add(number, TAIL_COLOUR + 2u, steps.z);
+    tail_merge_colour(number, fragment);
 }

@@ -4,7 +4,6 @@
 
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 @group(3) @binding(6) var<storage, read_write> sums: array<atomic<u32>>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 const WEIGHTED_BLENDED_UNIFORM: f32 = 0.0;
 const WEIGHTED_BLENDED_CUBIC: f32 = 1.0;

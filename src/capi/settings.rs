@@ -9,12 +9,12 @@ use crate::error::{Result, invalid};
 use crate::raster::Raster;
 use crate::shading::{
     CausticRemoval, Chiang, DualScattering, HairColour, Highlight, KajiyaKay, LobeControls,
-    Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables, sigma_a_from_melanin,
-    sigma_a_from_reflectance,
+    Marschner, Precision, Roots, RoughnessVariation, Sadeghi, Scheuermann, Shading, ShadingRate,
+    Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
 };
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::{
-    ABuffer, BlendOrder, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
+    ABuffer, BlendOrder, DbkBuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
     Transparency, Weight, WeightedBlended,
 };
 use glam::Vec3;
@@ -29,6 +29,12 @@ pub const PELAGE_SHADING_MARSCHNER: u32 = 2;
 pub const PELAGE_SHADING_SADEGHI: u32 = 3;
 /// Chiang et al. 2016, d'Eon et al. 2011.
 pub const PELAGE_SHADING_CHIANG: u32 = 4;
+
+/// At strand points, once a view; a fragment's colour is interpolated along its segment.
+pub const PELAGE_SHADING_RATE_POINT: u32 = 0;
+/// At each fragment that the transparency technique keeps, at its own position. Refused with weighted blended, depth peeling,
+/// random subsets and sorted blending, which need colours before they know what they keep.
+pub const PELAGE_SHADING_RATE_FRAGMENT: u32 = 1;
 
 /// Of the exact exit angle.
 pub const PELAGE_ROOTS_EXACT: u32 = 0;
@@ -64,6 +70,8 @@ pub const PELAGE_SHADOW_DEEP_OPACITY_MAP: u32 = 1;
 pub const PELAGE_TRANSPARENCY_OPAQUE: u32 = 0;
 /// Every fragment stored, sorted and composited.
 pub const PELAGE_TRANSPARENCY_A_BUFFER: u32 = 1;
+/// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+pub const PELAGE_TRANSPARENCY_DBK_BUFFER: u32 = 10;
 /// McGuire and Bavoil 2013: the mean of all fragments weighed by depth, at their exact opacity.
 pub const PELAGE_TRANSPARENCY_WEIGHTED_BLENDED: u32 = 4;
 /// Everitt 2001: the nearest fragments found one after the other, the rest merged.
@@ -228,6 +236,12 @@ pub struct PelageMarschner {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
 }
 
 impl Default for PelageMarschner {
@@ -255,11 +269,14 @@ impl Default for PelageMarschner {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
         }
     }
 }
 
-descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", backward_density: f32);
+descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", lobe_tolerance: f32);
 
 /// One lobe of Sadeghi's model.
 #[repr(C)]
@@ -325,6 +342,12 @@ pub struct PelageSadeghi {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
 }
 
 impl Default for PelageSadeghi {
@@ -345,11 +368,14 @@ impl Default for PelageSadeghi {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
         }
     }
 }
 
-descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", backward_density: f32);
+descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", lobe_tolerance: f32);
 
 /// Chiang et al. 2016, d'Eon et al. 2011.
 #[repr(C)]
@@ -381,6 +407,15 @@ pub struct PelageChiang {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
+    /// 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
+    /// the mean over their width.
+    pub near_field: u32,
 }
 
 impl Default for PelageChiang {
@@ -402,11 +437,15 @@ impl Default for PelageChiang {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
+            near_field: u32::from(model.near_field),
         }
     }
 }
 
-descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", backward_density: f32);
+descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", near_field: u32);
 
 /// A shading model with its parameters.
 #[repr(C)]
@@ -426,6 +465,10 @@ pub struct PelageShading {
     pub sadeghi: *const PelageSadeghi,
     /// For `PELAGE_SHADING_CHIANG`; NULL: as `PELAGE_CHIANG_INIT`.
     pub chiang: *const PelageChiang,
+    /// `PELAGE_SHADING_RATE_…`; the same for all hairs of a frame.
+    pub rate: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 impl Default for PelageShading {
@@ -438,11 +481,13 @@ impl Default for PelageShading {
             marschner: null(),
             sadeghi: null(),
             chiang: null(),
+            rate: PELAGE_SHADING_RATE_POINT,
+            reserved: 0,
         }
     }
 }
 
-descriptor!(PelageShading, "PELAGE_SHADING_INIT", chiang: *const PelageChiang);
+descriptor!(PelageShading, "PELAGE_SHADING_INIT", reserved: u32);
 
 /// Settings of the deep opacity map.
 #[repr(C)]
@@ -559,6 +604,37 @@ impl Default for PelageABuffer {
 }
 
 descriptor!(PelageABuffer, "PELAGE_A_BUFFER_INIT", pool_bytes: u64);
+
+/// Settings of the DBK-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageDbkBuffer {
+    /// `sizeof(PelageDbkBuffer)`.
+    pub struct_size: u32,
+    /// How much of a pixel's alpha, and of its culled hair's radiance, may be left out: from 1e-6 to 0.5.
+    pub epsilon: f32,
+    /// Above 0: what lies farther than this behind the nearest fragment, in host units along the ray, is drawn as one opaque
+    /// layer, and `epsilon` is not asked. 0: `epsilon` decides.
+    pub depth_shift: f32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    pub pool_bytes: u64,
+}
+
+impl Default for PelageDbkBuffer {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            epsilon: DbkBuffer::default().epsilon,
+            depth_shift: 0.0,
+            raster: PELAGE_RASTER_AUTO,
+            pool_bytes: 0,
+        }
+    }
+}
+
+descriptor!(PelageDbkBuffer, "PELAGE_DBK_BUFFER_INIT", pool_bytes: u64);
 
 /// Settings of weighted blended transparency. 28 bytes a pixel.
 #[repr(C)]
@@ -689,6 +765,8 @@ pub struct PelageTransparency {
     pub opaque: *const PelageOpaque,
     /// For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     pub a_buffer: *const PelageABuffer,
+    /// For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
+    pub dbk_buffer: *const PelageDbkBuffer,
     /// For `PELAGE_TRANSPARENCY_WEIGHTED_BLENDED`; NULL: as `PELAGE_WEIGHTED_BLENDED_INIT`.
     pub weighted_blended: *const PelageWeightedBlended,
     /// For `PELAGE_TRANSPARENCY_DEPTH_PEELING`; NULL: as `PELAGE_DEPTH_PEELING_INIT`.
@@ -703,9 +781,10 @@ impl Default for PelageTransparency {
     fn default() -> Self {
         Self {
             struct_size: size_of::<Self>() as u32,
-            technique: PELAGE_TRANSPARENCY_A_BUFFER,
+            technique: PELAGE_TRANSPARENCY_DBK_BUFFER,
             opaque: null(),
             a_buffer: null(),
+            dbk_buffer: null(),
             weighted_blended: null(),
             depth_peeling: null(),
             random_subsets: null(),
@@ -792,6 +871,11 @@ fn marschner(given: &PelageMarschner) -> Result<Marschner> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
     })
 }
 
@@ -811,6 +895,11 @@ fn sadeghi(given: &PelageSadeghi) -> Result<Sadeghi> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
     })
 }
 
@@ -829,6 +918,12 @@ fn chiang(given: &PelageChiang) -> Result<Chiang> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
+        near_field: switch("near_field", given.near_field)?,
     })
 }
 
@@ -899,10 +994,19 @@ pub unsafe extern "C" fn pelage_sigma_a_of(colour: u32, sigma_a: *mut f32) -> Pe
     })
 }
 
-/// A validated shading model.
-pub(super) unsafe fn shading(name: &str, pointer: *const PelageShading) -> Result<Shading> {
+/// A validated shading model, and where it is evaluated.
+pub(super) unsafe fn shading(
+    name: &str,
+    pointer: *const PelageShading,
+) -> Result<(Shading, ShadingRate)> {
     // SAFETY: the rule of the module `capi`.
     let given = unsafe { descriptor::read(name, pointer) }?;
+    reserved("PelageShading", given.reserved)?;
+    let rate = match given.rate {
+        PELAGE_SHADING_RATE_POINT => ShadingRate::Point,
+        PELAGE_SHADING_RATE_FRAGMENT => ShadingRate::Fragment,
+        unknown => return invalid!("{name}: rate {unknown} is not one of PELAGE_SHADING_RATE_…"),
+    };
     let shading = match given.model {
         PELAGE_SHADING_KAJIYA_KAY => {
             // SAFETY: the rule of the module `capi`.
@@ -939,7 +1043,7 @@ pub(super) unsafe fn shading(name: &str, pointer: *const PelageShading) -> Resul
         }
         unknown => return invalid!("{name}: model {unknown} is not one of PELAGE_SHADING_…"),
     };
-    shading.validate().map(|()| shading)
+    shading.validate().map(|()| (shading, rate))
 }
 
 /// A validated shadow technique; `None` for NULL.
@@ -986,6 +1090,16 @@ pub(super) unsafe fn transparency(
         PELAGE_TRANSPARENCY_A_BUFFER => {
             // SAFETY: the rule of the module `capi`.
             Transparency::ABuffer(a_buffer(&unsafe { settings("a_buffer", given.a_buffer) }?)?)
+        }
+        PELAGE_TRANSPARENCY_DBK_BUFFER => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("dbk_buffer", given.dbk_buffer) }?;
+            Transparency::DbkBuffer(DbkBuffer {
+                epsilon: given.epsilon,
+                depth_shift: (given.depth_shift != 0.0).then_some(given.depth_shift),
+                raster: raster(given.raster)?,
+                pool_bytes: (given.pool_bytes > 0).then_some(given.pool_bytes),
+            })
         }
         PELAGE_TRANSPARENCY_WEIGHTED_BLENDED => {
             // SAFETY: the rule of the module `capi`.

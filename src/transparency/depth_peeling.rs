@@ -18,6 +18,7 @@ const FIRST_KEY: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/tail_sums_emit",
         "transparency/tail_emit",
         "transparency/depth_peeling_state",
         "transparency/depth_peeling_emit",
@@ -171,6 +172,7 @@ pub(crate) fn resolve_module(common: Module) -> Module {
     common.and(&[
         "transparency/nearest",
         "transparency/overflow",
+        "transparency/tail_sums",
         "transparency/tail",
         "transparency/depth_peeling_state",
         "transparency/depth_peeling",

@@ -23,6 +23,7 @@ use crate::plan::{Band, Plan};
 use crate::raster::{Draw, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::shading::Shader;
 
 /// A transparency technique with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +47,7 @@ pub enum Transparency {
 
 impl Default for Transparency {
     fn default() -> Self {
-        Self::ABuffer(ABuffer::default())
+        Self::DbkBuffer(DbkBuffer::default())
     }
 }
 
@@ -158,6 +159,14 @@ impl Transparency {
             Self::DbkBuffer(settings) => settings.depth_shift.unwrap_or(0.0),
             _ => 0.0,
         }
+    }
+
+    /// Whether the technique asks for colours in its resolve alone, where fragments can be shaded at their own places.
+    pub(crate) fn shades_fragments(&self) -> bool {
+        matches!(
+            self,
+            Self::Opaque(_) | Self::ABuffer(_) | Self::DbkBuffer(_)
+        )
     }
 
     /// Whether each pixel's nearest fragment must be sought beside the technique, where a frame asks for it.
@@ -286,18 +295,38 @@ pub(crate) fn record(
     }
 }
 
-/// The files that supply `resolve(pixel)`.
-pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module {
+/// The file that supplies the colour of what has overflowed a pool.
+pub(crate) fn tail(shader: Option<&Shader>) -> &'static str {
+    match shader {
+        None => "transparency/tail_sums",
+        Some(_) => "transparency/tail_samples",
+    }
+}
+
+/// The files that supply `resolve(pixel)`; with a shader, fragments are shaded there.
+pub(crate) fn resolve_module(
+    transparency: &Transparency,
+    parts: u32,
+    shader: Option<&Shader>,
+) -> Module {
     let pixels = Module::new(&["common/pixels"]).with("PARTS", Constant::U32(parts));
-    let common = pixels.clone().and(&["transparency/shaded"]);
+    let shaded = match shader {
+        None => Module::new(&["transparency/shaded"]),
+        Some(shader) => shader.fragments_module(),
+    };
+    let common = shaded
+        .and(&["common/pixels"])
+        .with("PARTS", Constant::U32(parts));
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
-        Transparency::ABuffer(settings) => a_buffer::resolve_module(common, settings.storage),
+        Transparency::ABuffer(settings) => {
+            a_buffer::resolve_module(common, settings.storage, shader)
+        }
         Transparency::WeightedBlended(_) => weighted_blended::resolve_module(pixels),
         Transparency::DepthPeeling(_) => depth_peeling::resolve_module(common),
         Transparency::RandomSubsets(settings) => random_subsets::resolve_module(common, settings),
         Transparency::SortedBlending(_) => sorted_blending::resolve_module(pixels),
-        Transparency::DbkBuffer(settings) => dbk_buffer::resolve_module(common, settings),
+        Transparency::DbkBuffer(settings) => dbk_buffer::resolve_module(common, settings, shader),
     }
 }
 

@@ -14,7 +14,7 @@ use crate::transparency::{Fragments, Needs, nearest};
 
 /// The most bins.
 pub const MAX_BINS: u32 = 4096;
-/// Segments of the smallest chunk that one invocation sorts, and about how many chunks there are.
+/// Points of the smallest chunk that one invocation sorts, and about how many chunks there are.
 const SMALLEST_CHUNK: u64 = 256;
 const CHUNKS: u64 = 1024;
 /// The most chunks: an invocation walks through a bin's row of them.
@@ -43,7 +43,8 @@ pub struct SortedBlending {
     /// frame is sorted. Frames are sorted until one that was is known to have run.
     pub reuse: u32,
     /// Blended as 32-bit floats where the device blends these, instead of 16-bit ones: these round at every layer and lose
-    /// layers fainter than that, for an RMSE of 2.5e-3 in dense hair.
+    /// layers fainter than that, for an RMSE of 2.5e-3 in dense hair. However many fibres of opacity α there are, they may stay
+    /// short of opaque by 2⁻¹¹ / α.
     pub full_precision: bool,
 }
 
@@ -84,7 +85,7 @@ impl SortedBlending {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Sorting {
     pub bins: u64,
-    /// Segments of a chunk.
+    /// Points of a chunk.
     pub each: u64,
     pub chunks: u64,
     /// Where each run's chunks begin.
@@ -94,20 +95,20 @@ pub(crate) struct Sorting {
 }
 
 impl Sorting {
-    /// For runs of so many segments, whose pooled points are `points`.
+    /// For runs of so many points and segments, whose pooled points are `points`.
     pub fn new(
         settings: &SortedBlending,
-        runs: impl Iterator<Item = u64> + Clone,
+        runs: impl Iterator<Item = [u64; 2]> + Clone,
         points: u64,
         binding: u64,
     ) -> Result<Self> {
-        let count: u64 = runs.clone().sum();
-        let each = count.div_ceil(CHUNKS).max(SMALLEST_CHUNK);
+        let count: u64 = runs.clone().map(|[_, segments]| segments).sum();
+        let each = points.div_ceil(CHUNKS).max(SMALLEST_CHUNK);
         let mut bases = Vec::new();
         let mut chunks = 0;
-        for segments in runs {
+        for [points, _] in runs {
             bases.push(chunks as u32);
-            chunks += segments.div_ceil(each);
+            chunks += points.div_ceil(each);
         }
         let sorting = Self {
             bins: u64::from(settings.bins),
@@ -230,7 +231,7 @@ fn sort(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, plan: &P
                     pass.dispatch_workgroups(if step == 1 { bins.div_ceil(64) } else { 1 }, 1, 1);
                     break;
                 }
-                let chunks = u64::from(run.run.segments).div_ceil(plan.sorting.each);
+                let chunks = u64::from(run.run.count).div_ceil(plan.sorting.each);
                 let (x, y) = workgroups(chunks as u32);
                 pass.dispatch_workgroups(x, y, 1);
             }

@@ -35,6 +35,7 @@ int main(void) {
     PRINT(PelageShadow, PELAGE_SHADOW_INIT);
     PRINT(PelageOpaque, PELAGE_OPAQUE_INIT);
     PRINT(PelageABuffer, PELAGE_A_BUFFER_INIT);
+    PRINT(PelageDbkBuffer, PELAGE_DBK_BUFFER_INIT);
     PRINT(PelageWeightedBlended, PELAGE_WEIGHTED_BLENDED_INIT);
     PRINT(PelageDepthPeeling, PELAGE_DEPTH_PEELING_INIT);
     PRINT(PelageRandomSubsets, PELAGE_RANDOM_SUBSETS_INIT);

@@ -264,10 +264,19 @@ fn initialisers() -> String {
         technique,
         opaque,
         a_buffer,
+        dbk_buffer,
         weighted_blended,
         depth_peeling,
         random_subsets,
         sorted_blending
+    );
+    initialiser!(
+        PelageDbkBuffer,
+        "PELAGE_DBK_BUFFER_INIT",
+        epsilon,
+        depth_shift,
+        raster,
+        pool_bytes
     );
     initialiser!(
         PelageView,
@@ -369,7 +378,13 @@ fn initialisers() -> String {
         usage,
         samples,
         layout_in,
-        layout_out
+        layout_out,
+        array_layers,
+        mip_levels,
+        layer,
+        mip_level,
+        owner_before,
+        owner_after
     );
     initialiser!(
         PelageVulkanView,
@@ -392,7 +407,9 @@ fn initialisers() -> String {
         offset,
         stride,
         low,
-        high
+        high,
+        owner_before,
+        owner_after
     );
     initialiser!(
         PelageVulkanSemaphore,

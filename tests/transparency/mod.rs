@@ -1,6 +1,7 @@
 //! Tests of `pelage::transparency`.
 
 mod a_buffer;
+mod dbk_buffer;
 mod depth_peeling;
 mod every_technique;
 mod opaque;

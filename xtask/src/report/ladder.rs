@@ -6,11 +6,12 @@ use pelage::Raster;
 use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
 use pelage::shading::{
-    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
+    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, ShadingRate,
+    Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{
-    ABuffer, BlendOrder, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
+    ABuffer, BlendOrder, DbkBuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
     Transparency, Weight, WeightedBlended,
 };
 use serde_json::Value;
@@ -53,6 +54,30 @@ pub const SCENES: &[Scene] = &[
         opacity: 0.5,
         quick: false,
     },
+    Scene {
+        name: "straight_0.1",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.1,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.3",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.3,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.9",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.9,
+        quick: false,
+    },
 ];
 
 /// One technique with its settings.
@@ -66,6 +91,8 @@ pub struct Case {
     pub shadow: Shadow,
     /// The transparency technique.
     pub transparency: Transparency,
+    /// Where the model is evaluated, in cases that compare rates: their truth is shaded at fragments.
+    pub rate: Option<ShadingRate>,
     /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
     pub pool: Option<f64>,
 }
@@ -91,6 +118,9 @@ impl Case {
             map.shift_remove("technique");
             map.shift_remove("model");
             map.retain(|_, value| !value.is_null());
+            if let Some(rate) = self.rate {
+                map.insert("rate".into(), techniques::rate_setting(rate));
+            }
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
             }
@@ -173,6 +203,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
         shading: white(0.09, 60.0),
         shadow: Shadow::None,
         transparency: Transparency::Opaque(Opaque::default()),
+        rate: None,
         pool: None,
     };
     let mut cases = Vec::new();
@@ -186,6 +217,19 @@ pub fn cases(quick: bool) -> Vec<Case> {
         shading,
         ..base.clone()
     }));
+    for shading in [
+        white(0.09, 60.0),
+        Shading::Marschner(Marschner::default()),
+        Shading::Chiang(Chiang::default()),
+    ] {
+        cases.extend(
+            [ShadingRate::Point, ShadingRate::Fragment].map(|rate| Case {
+                shading,
+                rate: Some(rate),
+                ..base.clone()
+            }),
+        );
+    }
     let resolutions: &[u32] = if quick {
         &[256, 512]
     } else {
@@ -243,6 +287,15 @@ pub fn cases(quick: bool) -> Vec<Case> {
                 ..base.clone()
             });
         }
+    }
+    for epsilon in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0] {
+        cases.push(Case {
+            transparency: Transparency::DbkBuffer(DbkBuffer {
+                epsilon,
+                ..DbkBuffer::default()
+            }),
+            ..base.clone()
+        });
     }
     let others = blended(quick);
     cases.extend(others.into_iter().map(|transparency| Case {

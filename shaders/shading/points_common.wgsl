@@ -1,0 +1,32 @@
+// The strand points of a run, as what is shaded takes them.
+
+@group(1) @binding(0) var<storage, read> points: array<Point>;
+@group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
+// Linear RGB, 16-bit floats.
+@group(1) @binding(2) var<storage, read> strand_colours: array<vec2u>;
+@group(1) @binding(3) var<storage, read> projected: array<Projected>;
+
+// Whether one of the point's two segments may be drawn.
+fn points_seen(index: u32) -> bool {
+    if (projected[index].flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) == 0u { return true; }
+    return (projected[max(index, 1u) - 1u].flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) == 0u;
+}
+
+fn points_relative(index: u32) -> vec3f {
+    return (drawing.relative_from_object * vec4f(points[index].position, 1.0)).xyz;
+}
+
+// Unit tangent of the circle through the point and its two neighbours: it parts the turn between the two segments as their
+// lengths do, so that unevenly spaced points are lit as even ones are. Some unit vector where the strand has no length here.
+fn points_tangent(index: u32, strand: u32) -> vec3f {
+    let here = points_relative(index);
+    let before = here - points_relative(select(index - 1u, index, (strand & POINT_FIRST) != 0u));
+    let after = points_relative(select(index + 1u, index, (strand & POINT_LAST) != 0u)) - here;
+    let lengths = vec2f(length(before), length(after));
+    let parts = lengths / max(lengths.yx, vec2f(1e-30));
+    var sum = before / max(parts.x, 1e-30) + after / max(parts.y, 1e-30);
+    // At an end, or beside a point that coincides, there is one segment.
+    if min(lengths.x, lengths.y) <= 1e-30 { sum = before + after; }
+    let size = length(sum);
+    return select(vec3f(0.0, 1.0, 0.0), sum / max(size, 1e-30), size > 1e-30);
+}
