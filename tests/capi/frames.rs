@@ -231,6 +231,7 @@ fn wrong_settings_leave_a_hair_as_it_was() {
         ..Default::default()
     };
     let transparency = PelageTransparency {
+        technique: PELAGE_TRANSPARENCY_A_BUFFER,
         a_buffer: &a_buffer,
         ..Default::default()
     };

@@ -218,6 +218,7 @@ fn unknown_enumerators_and_flags_are_named() {
             ..Default::default()
         };
         let transparency = PelageTransparency {
+            technique: PELAGE_TRANSPARENCY_A_BUFFER,
             a_buffer: &a_buffer,
             ..Default::default()
         };
