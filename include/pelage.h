@@ -180,6 +180,15 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Every fragment stored, sorted and composited.
 #define PELAGE_TRANSPARENCY_A_BUFFER 1
 
+// Every fragment stored, the K nearest of each pixel sorted and composited (Yu et al. 2012).
+#define PELAGE_TRANSPARENCY_K_BUFFER 6
+
+// The K nearest fragments of each pixel stored and composited (Vasilakis and Fudos 2014, Hunz 2016).
+#define PELAGE_TRANSPARENCY_K_PLUS_BUFFER 7
+
+// Fragments linked in order as they come, unless K nearer ones are there (Yu et al. 2012).
+#define PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS 8
+
 // The library chooses.
 #define PELAGE_RASTER_AUTO 0
 
@@ -194,6 +203,33 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Per-pixel linked lists.
 #define PELAGE_STORAGE_LISTS 1
+
+// What lies behind the K nearest is one layer of exact opacity, in the mean of its own colours.
+#define PELAGE_REST_MERGED 0
+
+// It is one layer of exact opacity, in the mean colour of the K.
+#define PELAGE_REST_ALPHA 1
+
+// It is left out, as published.
+#define PELAGE_REST_DROPPED 2
+
+// 64-bit atomics where the device was opened with them, else 32-bit ones.
+#define PELAGE_ATOMICS_AUTO 0
+
+// 64-bit atomics, in one pass; on a device without them rendering fails with PELAGE_UNSUPPORTED.
+#define PELAGE_ATOMICS_64 1
+
+// 32-bit atomics, in two passes.
+#define PELAGE_ATOMICS_32 2
+
+// One way through a pixel's list selects all K (Yu et al. 2012).
+#define PELAGE_SELECTION_REGISTERS 0
+
+// It selects eight.
+#define PELAGE_SELECTION_ROUNDS 1
+
+// It selects one: a selection sort (Yang et al. 2010), for comparison.
+#define PELAGE_SELECTION_SORT 2
 
 // Straight segments between the points.
 #define PELAGE_CURVE_POLYLINE 0
@@ -706,6 +742,56 @@ typedef struct PelageABuffer {
     uint64_t pool_bytes;
 } PelageABuffer;
 
+// Settings of the k-buffer.
+typedef struct PelageKBuffer {
+    // `sizeof(PelageKBuffer)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that keep their order, from 1 to 64.
+    uint32_t k;
+    // `PELAGE_REST_...`.
+    uint32_t rest;
+    // `PELAGE_SELECTION_...`; the picture does not depend on it.
+    uint32_t selection;
+    // `PELAGE_STORAGE_...`.
+    uint32_t storage;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageKBuffer;
+
+// Settings of the k+-buffer.
+typedef struct PelageKPlusBuffer {
+    // `sizeof(PelageKPlusBuffer)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that are kept, from 1 to 64, in 8 bytes each.
+    uint32_t k;
+    // `PELAGE_REST_...`.
+    uint32_t rest;
+    // `PELAGE_ATOMICS_...`; the picture does not depend on it.
+    uint32_t atomics;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageKPlusBuffer;
+
+// Settings of the single-pass k-buffer.
+typedef struct PelageKBufferSinglePass {
+    // `sizeof(PelageKBufferSinglePass)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that keep their order, from 1 to 64.
+    uint32_t k;
+    // `PELAGE_REST_...`.
+    uint32_t rest;
+    // How often a fragment tries again, where others were faster, before it is merged: up to 255.
+    uint32_t retries;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // 0.
+    uint32_t reserved;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageKBufferSinglePass;
+
 // A transparency technique with its settings.
 typedef struct PelageTransparency {
     // `sizeof(PelageTransparency)`.
@@ -716,6 +802,12 @@ typedef struct PelageTransparency {
     const struct PelageOpaque *opaque;
     // For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     const struct PelageABuffer *a_buffer;
+    // For `PELAGE_TRANSPARENCY_K_BUFFER`; NULL: as `PELAGE_K_BUFFER_INIT`.
+    const struct PelageKBuffer *k_buffer;
+    // For `PELAGE_TRANSPARENCY_K_PLUS_BUFFER`; NULL: as `PELAGE_K_PLUS_BUFFER_INIT`.
+    const struct PelageKPlusBuffer *k_plus_buffer;
+    // For `PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS`; NULL: as `PELAGE_K_BUFFER_SINGLE_PASS_INIT`.
+    const struct PelageKBufferSinglePass *k_buffer_single_pass;
 } PelageTransparency;
 
 // How a target is made.
@@ -1517,7 +1609,10 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
-#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL }
+#define PELAGE_K_BUFFER_INIT { sizeof(PelageKBuffer), 16, 0, 0, 0, 0, 0 }
+#define PELAGE_K_PLUS_BUFFER_INIT { sizeof(PelageKPlusBuffer), 8, 1, 0, 0 }
+#define PELAGE_K_BUFFER_SINGLE_PASS_INIT { sizeof(PelageKBufferSinglePass), 8, 0, 32, 0, 0, 0 }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }

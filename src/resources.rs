@@ -382,7 +382,10 @@ impl Resources {
                 "pelage.transparency.fragments",
                 bytes,
             ),
-            Fragments::Pool { linked, bytes } => self.grow_fragments(gpu, plan, linked, bytes),
+            Fragments::Pool { linked, bytes } => {
+                let expected = plan.transparency.expected(plan.expected_fragments, pixels);
+                self.grow_fragments(gpu, plan, expected, linked, bytes)
+            }
         }
     }
 
@@ -391,6 +394,7 @@ impl Resources {
         &mut self,
         gpu: &Gpu,
         plan: &Plan,
+        expected: u64,
         lists: bool,
         pool_bytes: Option<u64>,
     ) -> Result<()> {
@@ -406,7 +410,7 @@ impl Resources {
         let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
-                let expected = plan.expected_fragments.max(self.needed) as f64 * POOL_MARGIN;
+                let expected = expected.max(self.needed) as f64 * POOL_MARGIN;
                 (expected as u64).clamp(SMALLEST_POOL.min(most), most)
             }
         };
@@ -777,12 +781,17 @@ fn read_slot(slot: &Slot) -> Returned {
         ]
         .map(u64::from);
         let mut needed = produced;
+        let mut found = produced;
         if slot.lists {
+            // `stored` counts the nodes that were asked for; of what a technique counts itself some asked for none.
             needed = stored;
-            merged = stored.saturating_sub(slot.capacity);
-            stored -= merged;
+            if produced == 0 {
+                found = stored;
+                merged = stored.saturating_sub(slot.capacity);
+            }
+            stored = found - merged;
         }
-        sum.produced += if slot.lists { needed } else { produced } + culled;
+        sum.produced += found + culled;
         sum.culled += culled;
         sum.stored += stored;
         sum.merged += merged;

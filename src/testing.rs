@@ -11,7 +11,8 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
+    ABuffer, KBuffer, KBufferSinglePass, KPlusBuffer, Opaque, Rest, Selection, Storage,
+    Transparency, a_buffer, opaque, resolve_module,
 };
 
 /// A module that the crate can build.
@@ -54,14 +55,29 @@ pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) 
 /// Every module that the crate can build.
 pub fn combinations() -> Vec<Combination> {
     let mut modules: Vec<(String, Module)> = Vec::new();
+    const RESTS: [Rest; 3] = [Rest::Merged, Rest::Alpha, Rest::Dropped];
+    let plus = RESTS.map(|rest| KPlusBuffer {
+        rest,
+        ..Default::default()
+    });
+    let single_pass = RESTS.map(|rest| KBufferSinglePass {
+        rest,
+        ..Default::default()
+    });
+    let kept: Vec<_> = plus
+        .iter()
+        .flat_map(KPlusBuffer::emissions)
+        .chain(single_pass.iter().map(KBufferSinglePass::emission))
+        .collect();
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
+        .chain(&kept)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             modules.push((
-                format!("{} {rasteriser}", emission.label),
+                format!("{} {} {rasteriser}", emission.label, emission.stage),
                 emission.module(rasteriser, 3),
             ));
         }
@@ -71,11 +87,40 @@ pub fn combinations() -> Vec<Combination> {
         storage: Storage::Lists,
         ..Default::default()
     });
-    for (name, technique) in [
-        ("opaque", Transparency::Opaque(Opaque::default())),
-        ("counted", counted),
-        ("lists", lists),
-    ] {
+    let mut techniques = vec![
+        (
+            "opaque".to_string(),
+            Transparency::Opaque(Opaque::default()),
+        ),
+        ("counted".into(), counted),
+        ("lists".into(), lists),
+    ];
+    for settings in plus {
+        let name = format!("k_plus_buffer {:?}", settings.rest);
+        techniques.push((name, Transparency::KPlusBuffer(settings)));
+    }
+    for settings in single_pass {
+        let name = format!("k_buffer_single_pass {:?}", settings.rest);
+        techniques.push((name, Transparency::KBufferSinglePass(settings)));
+    }
+    for rest in RESTS {
+        for (selection, storage) in [
+            (Selection::Registers, Storage::Counted),
+            (Selection::Rounds, Storage::Lists),
+            (Selection::Sort, Storage::Counted),
+        ] {
+            techniques.push((
+                format!("k_buffer {rest:?} {selection:?}"),
+                Transparency::KBuffer(KBuffer {
+                    rest,
+                    selection,
+                    storage,
+                    ..Default::default()
+                }),
+            ));
+        }
+    }
+    for (name, technique) in techniques {
         modules.push((
             format!("composite {name}"),
             resolve_module(&technique, 3).and(&["common/fullscreen", "composite"]),
@@ -204,7 +249,7 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, key_first, key_packing, lights, shadow_views,
         }
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }

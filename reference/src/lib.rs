@@ -8,6 +8,7 @@
 //! - [`coverage`]: the area of a pixel that a fibre covers, exactly and by supersampling
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
+//! - [`k_buffer`]: what they look like to a renderer that keeps the nearest of them
 //! - [`transmittance`]: how much light reaches a point through other fibres
 //! - [`fibre`]: directions in a fibre's frame, lobes, and what every scattering model of a fibre offers
 //! - [`kajiya_kay`], [`scheuermann`]: how a fibre scatters light, from fixed lobes
@@ -26,8 +27,10 @@ pub mod fibre;
 pub mod fragments;
 pub mod fresnel;
 pub mod furnace;
+pub mod k_buffer;
 pub mod kajiya_kay;
 pub mod marschner;
+
 pub mod project;
 pub mod ray_optics;
 pub mod sadeghi;

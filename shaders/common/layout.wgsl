@@ -101,8 +101,10 @@ struct Frame {
     part_capacity: u32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
-    padding_0: u32,
-    padding_1: u32,
+    // How a depth key and a point share a word: the nearest key of the frame's hair, and bits by which keys are shifted, with
+    // the bits of a point above them.
+    key_first: u32,
+    key_packing: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }

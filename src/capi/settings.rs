@@ -13,7 +13,10 @@ use crate::shading::{
     sigma_a_from_reflectance,
 };
 use crate::shadow::{DeepOpacityMap, Shadow};
-use crate::transparency::{ABuffer, Opaque, Storage, Transparency};
+use crate::transparency::{
+    ABuffer, Atomics, KBuffer, KBufferSinglePass, KPlusBuffer, Opaque, Rest, Selection, Storage,
+    Transparency,
+};
 use glam::Vec3;
 
 /// Kajiya and Kay 1989.
@@ -61,6 +64,12 @@ pub const PELAGE_SHADOW_DEEP_OPACITY_MAP: u32 = 1;
 pub const PELAGE_TRANSPARENCY_OPAQUE: u32 = 0;
 /// Every fragment stored, sorted and composited.
 pub const PELAGE_TRANSPARENCY_A_BUFFER: u32 = 1;
+/// Every fragment stored, the K nearest of each pixel sorted and composited (Yu et al. 2012).
+pub const PELAGE_TRANSPARENCY_K_BUFFER: u32 = 6;
+/// The K nearest fragments of each pixel stored and composited (Vasilakis and Fudos 2014, Hunz 2016).
+pub const PELAGE_TRANSPARENCY_K_PLUS_BUFFER: u32 = 7;
+/// Fragments linked in order as they come, unless K nearer ones are there (Yu et al. 2012).
+pub const PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS: u32 = 8;
 
 /// The library chooses.
 pub const PELAGE_RASTER_AUTO: u32 = 0;
@@ -73,6 +82,27 @@ pub const PELAGE_RASTER_WALK: u32 = 2;
 pub const PELAGE_STORAGE_COUNTED: u32 = 0;
 /// Per-pixel linked lists.
 pub const PELAGE_STORAGE_LISTS: u32 = 1;
+
+/// What lies behind the K nearest is one layer of exact opacity, in the mean of its own colours.
+pub const PELAGE_REST_MERGED: u32 = 0;
+/// It is one layer of exact opacity, in the mean colour of the K.
+pub const PELAGE_REST_ALPHA: u32 = 1;
+/// It is left out, as published.
+pub const PELAGE_REST_DROPPED: u32 = 2;
+
+/// 64-bit atomics where the device was opened with them, else 32-bit ones.
+pub const PELAGE_ATOMICS_AUTO: u32 = 0;
+/// 64-bit atomics, in one pass; on a device without them rendering fails with PELAGE_UNSUPPORTED.
+pub const PELAGE_ATOMICS_64: u32 = 1;
+/// 32-bit atomics, in two passes.
+pub const PELAGE_ATOMICS_32: u32 = 2;
+
+/// One way through a pixel's list selects all K (Yu et al. 2012).
+pub const PELAGE_SELECTION_REGISTERS: u32 = 0;
+/// It selects eight.
+pub const PELAGE_SELECTION_ROUNDS: u32 = 1;
+/// It selects one: a selection sort (Yang et al. 2010), for comparison.
+pub const PELAGE_SELECTION_SORT: u32 = 2;
 
 /// Kajiya and Kay's diffuse and specular lobes.
 #[repr(C)]
@@ -537,6 +567,109 @@ impl Default for PelageABuffer {
 
 descriptor!(PelageABuffer, "PELAGE_A_BUFFER_INIT", pool_bytes: u64);
 
+/// Settings of the k-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageKBuffer {
+    /// `sizeof(PelageKBuffer)`.
+    pub struct_size: u32,
+    /// Fragments of a pixel that keep their order, from 1 to 64.
+    pub k: u32,
+    /// `PELAGE_REST_…`.
+    pub rest: u32,
+    /// `PELAGE_SELECTION_…`; the picture does not depend on it.
+    pub selection: u32,
+    /// `PELAGE_STORAGE_…`.
+    pub storage: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    pub pool_bytes: u64,
+}
+
+impl Default for PelageKBuffer {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            k: KBuffer::default().k,
+            rest: PELAGE_REST_MERGED,
+            selection: PELAGE_SELECTION_REGISTERS,
+            storage: PELAGE_STORAGE_COUNTED,
+            raster: PELAGE_RASTER_AUTO,
+            pool_bytes: 0,
+        }
+    }
+}
+
+descriptor!(PelageKBuffer, "PELAGE_K_BUFFER_INIT", pool_bytes: u64);
+
+/// Settings of the k+-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageKPlusBuffer {
+    /// `sizeof(PelageKPlusBuffer)`.
+    pub struct_size: u32,
+    /// Fragments of a pixel that are kept, from 1 to 64, in 8 bytes each.
+    pub k: u32,
+    /// `PELAGE_REST_…`.
+    pub rest: u32,
+    /// `PELAGE_ATOMICS_…`; the picture does not depend on it.
+    pub atomics: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageKPlusBuffer {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            k: KPlusBuffer::default().k,
+            rest: PELAGE_REST_ALPHA,
+            atomics: PELAGE_ATOMICS_AUTO,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageKPlusBuffer, "PELAGE_K_PLUS_BUFFER_INIT", raster: u32);
+
+/// Settings of the single-pass k-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageKBufferSinglePass {
+    /// `sizeof(PelageKBufferSinglePass)`.
+    pub struct_size: u32,
+    /// Fragments of a pixel that keep their order, from 1 to 64.
+    pub k: u32,
+    /// `PELAGE_REST_…`.
+    pub rest: u32,
+    /// How often a fragment tries again, where others were faster, before it is merged: up to 255.
+    pub retries: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+    /// 0.
+    pub reserved: u32,
+    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    pub pool_bytes: u64,
+}
+
+impl Default for PelageKBufferSinglePass {
+    fn default() -> Self {
+        let KBufferSinglePass { k, retries, .. } = KBufferSinglePass::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            k,
+            rest: PELAGE_REST_MERGED,
+            retries,
+            raster: PELAGE_RASTER_AUTO,
+            reserved: 0,
+            pool_bytes: 0,
+        }
+    }
+}
+
+descriptor!(PelageKBufferSinglePass, "PELAGE_K_BUFFER_SINGLE_PASS_INIT", pool_bytes: u64);
+
 /// A transparency technique with its settings.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -549,6 +682,12 @@ pub struct PelageTransparency {
     pub opaque: *const PelageOpaque,
     /// For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     pub a_buffer: *const PelageABuffer,
+    /// For `PELAGE_TRANSPARENCY_K_BUFFER`; NULL: as `PELAGE_K_BUFFER_INIT`.
+    pub k_buffer: *const PelageKBuffer,
+    /// For `PELAGE_TRANSPARENCY_K_PLUS_BUFFER`; NULL: as `PELAGE_K_PLUS_BUFFER_INIT`.
+    pub k_plus_buffer: *const PelageKPlusBuffer,
+    /// For `PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS`; NULL: as `PELAGE_K_BUFFER_SINGLE_PASS_INIT`.
+    pub k_buffer_single_pass: *const PelageKBufferSinglePass,
 }
 
 impl Default for PelageTransparency {
@@ -558,11 +697,14 @@ impl Default for PelageTransparency {
             technique: PELAGE_TRANSPARENCY_A_BUFFER,
             opaque: null(),
             a_buffer: null(),
+            k_buffer: null(),
+            k_plus_buffer: null(),
+            k_buffer_single_pass: null(),
         }
     }
 }
 
-descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", a_buffer: *const PelageABuffer);
+descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", k_buffer_single_pass: *const PelageKBufferSinglePass);
 
 /// What stands behind a pointer to settings, or their defaults behind NULL.
 unsafe fn settings<T: descriptor::Descriptor>(name: &str, pointer: *const T) -> Result<T> {
@@ -831,6 +973,20 @@ pub(super) unsafe fn transparency(
             // SAFETY: the rule of the module `capi`.
             Transparency::ABuffer(a_buffer(&unsafe { settings("a_buffer", given.a_buffer) }?)?)
         }
+        PELAGE_TRANSPARENCY_K_BUFFER => {
+            // SAFETY: the rule of the module `capi`.
+            Transparency::KBuffer(k_buffer(&unsafe { settings("k_buffer", given.k_buffer) }?)?)
+        }
+        PELAGE_TRANSPARENCY_K_PLUS_BUFFER => {
+            // SAFETY: the rule of the module `capi`.
+            let plus = unsafe { settings("k_plus_buffer", given.k_plus_buffer) }?;
+            Transparency::KPlusBuffer(k_plus_buffer(&plus)?)
+        }
+        PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS => {
+            // SAFETY: the rule of the module `capi`.
+            let single = unsafe { settings("k_buffer_single_pass", given.k_buffer_single_pass) }?;
+            Transparency::KBufferSinglePass(k_buffer_single_pass(&single)?)
+        }
         unknown => {
             return invalid!("{name}: technique {unknown} is not one of PELAGE_TRANSPARENCY_…");
         }
@@ -840,15 +996,72 @@ pub(super) unsafe fn transparency(
 
 fn a_buffer(given: &PelageABuffer) -> Result<ABuffer> {
     reserved("PelageABuffer", given.reserved)?;
-    let storage = match given.storage {
-        PELAGE_STORAGE_COUNTED => Storage::Counted,
-        PELAGE_STORAGE_LISTS => Storage::Lists,
-        unknown => return invalid!("storage {unknown} is not one of PELAGE_STORAGE_…"),
-    };
-    let pool_bytes = (given.pool_bytes > 0).then_some(given.pool_bytes);
     Ok(ABuffer {
-        storage,
+        storage: storage(given.storage)?,
         raster: raster(given.raster)?,
-        pool_bytes,
+        pool_bytes: pool(given.pool_bytes),
     })
+}
+
+fn k_buffer(given: &PelageKBuffer) -> Result<KBuffer> {
+    Ok(KBuffer {
+        k: given.k,
+        rest: rest(given.rest)?,
+        selection: match given.selection {
+            PELAGE_SELECTION_REGISTERS => Selection::Registers,
+            PELAGE_SELECTION_ROUNDS => Selection::Rounds,
+            PELAGE_SELECTION_SORT => Selection::Sort,
+            unknown => return invalid!("selection {unknown} is not one of PELAGE_SELECTION_…"),
+        },
+        storage: storage(given.storage)?,
+        raster: raster(given.raster)?,
+        pool_bytes: pool(given.pool_bytes),
+    })
+}
+
+fn k_plus_buffer(given: &PelageKPlusBuffer) -> Result<KPlusBuffer> {
+    Ok(KPlusBuffer {
+        k: given.k,
+        rest: rest(given.rest)?,
+        atomics: match given.atomics {
+            PELAGE_ATOMICS_AUTO => Atomics::Auto,
+            PELAGE_ATOMICS_64 => Atomics::Bits64,
+            PELAGE_ATOMICS_32 => Atomics::Bits32,
+            unknown => return invalid!("atomics {unknown} is not one of PELAGE_ATOMICS_…"),
+        },
+        raster: raster(given.raster)?,
+    })
+}
+
+fn k_buffer_single_pass(given: &PelageKBufferSinglePass) -> Result<KBufferSinglePass> {
+    reserved("PelageKBufferSinglePass", given.reserved)?;
+    Ok(KBufferSinglePass {
+        k: given.k,
+        rest: rest(given.rest)?,
+        retries: given.retries,
+        raster: raster(given.raster)?,
+        pool_bytes: pool(given.pool_bytes),
+    })
+}
+
+fn storage(value: u32) -> Result<Storage> {
+    match value {
+        PELAGE_STORAGE_COUNTED => Ok(Storage::Counted),
+        PELAGE_STORAGE_LISTS => Ok(Storage::Lists),
+        _ => invalid!("storage {value} is not one of PELAGE_STORAGE_…"),
+    }
+}
+
+fn rest(value: u32) -> Result<Rest> {
+    match value {
+        PELAGE_REST_MERGED => Ok(Rest::Merged),
+        PELAGE_REST_ALPHA => Ok(Rest::Alpha),
+        PELAGE_REST_DROPPED => Ok(Rest::Dropped),
+        _ => invalid!("rest {value} is not one of PELAGE_REST_…"),
+    }
+}
+
+/// `pool_bytes`, in which 0 leaves it to the library.
+fn pool(bytes: u64) -> Option<u64> {
+    (bytes > 0).then_some(bytes)
 }

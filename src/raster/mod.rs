@@ -50,7 +50,7 @@ impl Raster {
 /// One stage of a technique that takes fragments.
 pub(crate) struct Emission {
     pub label: &'static str,
-    /// The value of `STAGE` in the module.
+    /// The value of `STAGE` in the module, which may hold settings beside the stage's own number.
     pub stage: u32,
     /// The files that supply `emit_begin`, `emit` and `emit_end`.
     pub files: &'static [&'static str],

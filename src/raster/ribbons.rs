@@ -20,7 +20,7 @@ pub(super) fn record(
 ) -> Result<()> {
     let key = PipelineKey {
         rasteriser: Some(Rasteriser::Ribbons),
-        variant: plan.parts,
+        variant: plan.parts | emission.stage << 2,
         ..PipelineKey::new(emission.label)
     };
     let pipeline = gpu.render(key, || RenderSpec {

@@ -16,7 +16,7 @@ pub(super) fn record(
 ) -> Result<()> {
     let key = PipelineKey {
         rasteriser: Some(Rasteriser::Walk),
-        variant: plan.parts,
+        variant: plan.parts | emission.stage << 2,
         ..PipelineKey::new(emission.label)
     };
     let groups = [Group::Frame, Group::Segments, emission.group];

@@ -297,6 +297,10 @@ fn scan(
 /// The files that supply `resolve(pixel)`.
 pub(crate) fn resolve_module(common: Module, storage: Storage) -> Module {
     common
-        .and(&["transparency/overflow", "transparency/a_buffer"])
+        .and(&[
+            "transparency/overflow",
+            "transparency/a_buffer_read",
+            "transparency/a_buffer",
+        ])
         .with("LISTS", Constant::Bool(storage == Storage::Lists))
 }

@@ -1,9 +1,15 @@
 //! Transparency techniques: how a pixel's fragments become one colour.
 
 pub mod a_buffer;
+pub mod k_buffer;
+pub mod k_buffer_single_pass;
+pub mod k_plus_buffer;
 pub mod opaque;
 
 pub use a_buffer::{ABuffer, Storage};
+pub use k_buffer::{KBuffer, Rest, Selection};
+pub use k_buffer_single_pass::KBufferSinglePass;
+pub use k_plus_buffer::{Atomics, KPlusBuffer};
 pub use opaque::Opaque;
 
 use crate::error::Result;
@@ -21,6 +27,12 @@ pub enum Transparency {
     Opaque(Opaque),
     /// Every fragment stored, sorted and composited.
     ABuffer(ABuffer),
+    /// Every fragment stored, the K nearest of each pixel sorted and composited.
+    KBuffer(KBuffer),
+    /// The K nearest fragments of each pixel stored and composited.
+    KPlusBuffer(KPlusBuffer),
+    /// Fragments linked in order as they come, unless K nearer ones are there.
+    KBufferSinglePass(KBufferSinglePass),
 }
 
 impl Default for Transparency {
@@ -35,6 +47,9 @@ impl Transparency {
         match self {
             Self::Opaque(_) => "opaque",
             Self::ABuffer(_) => "a_buffer",
+            Self::KBuffer(_) => "k_buffer",
+            Self::KPlusBuffer(_) => "k_plus_buffer",
+            Self::KBufferSinglePass(_) => "k_buffer_single_pass",
         }
     }
 
@@ -46,6 +61,17 @@ impl Transparency {
         match self {
             Self::Opaque(_) => Ok(()),
             Self::ABuffer(settings) => settings.validate(),
+            Self::KBuffer(settings) => settings.validate(),
+            Self::KPlusBuffer(settings) => settings.validate(),
+            Self::KBufferSinglePass(settings) => settings.validate(),
+        }
+    }
+
+    /// Checks that a device can do what the settings ask for.
+    pub(crate) fn fits(&self, gpu: &Gpu) -> Result<()> {
+        match self {
+            Self::KPlusBuffer(settings) => settings.fits(gpu),
+            _ => Ok(()),
         }
     }
 
@@ -54,6 +80,9 @@ impl Transparency {
         match self {
             Self::Opaque(settings) => settings.raster,
             Self::ABuffer(settings) => settings.raster,
+            Self::KBuffer(settings) => settings.raster,
+            Self::KPlusBuffer(settings) => settings.raster,
+            Self::KBufferSinglePass(settings) => settings.raster,
         }
     }
 }
@@ -94,6 +123,17 @@ impl Transparency {
         match self {
             Self::Opaque(_) => opaque::needs(pixels),
             Self::ABuffer(settings) => settings.needs(pixels),
+            Self::KBuffer(settings) => settings.stored().needs(pixels),
+            Self::KPlusBuffer(settings) => settings.needs(pixels),
+            Self::KBufferSinglePass(settings) => settings.needs(pixels),
+        }
+    }
+
+    /// Fragments that a pool should hold of those that a frame is expected to produce in `pixels` pixels.
+    pub(crate) fn expected(&self, fragments: u64, pixels: u64) -> u64 {
+        match self {
+            Self::KBufferSinglePass(settings) => settings.expected(fragments, pixels),
+            _ => fragments,
         }
     }
 
@@ -134,6 +174,15 @@ pub(crate) fn record(
         Transparency::ABuffer(settings) => {
             a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage)
         }
+        Transparency::KBuffer(settings) => {
+            a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::KPlusBuffer(settings) => {
+            k_plus_buffer::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::KBufferSinglePass(settings) => {
+            k_buffer_single_pass::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
     }
 }
 
@@ -144,14 +193,22 @@ pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module 
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
         Transparency::ABuffer(settings) => a_buffer::resolve_module(common, settings.storage),
+        Transparency::KBuffer(settings) => k_buffer::resolve_module(common, settings),
+        Transparency::KPlusBuffer(settings) => k_plus_buffer::resolve_module(common, settings),
+        Transparency::KBufferSinglePass(settings) => {
+            k_buffer_single_pass::resolve_module(common, settings)
+        }
     }
 }
 
-/// What tells one technique's composite pipeline from another's: its place in the enum, and eight bits of settings.
+/// What tells one technique's composite pipeline from another's: its place in the enum, and twelve bits of settings.
 pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
     let (technique, settings) = match transparency {
         Transparency::Opaque(_) => (0, 0),
         Transparency::ABuffer(settings) => (1, u32::from(settings.storage == Storage::Lists)),
+        Transparency::KBuffer(settings) => (2, settings.variant()),
+        Transparency::KPlusBuffer(settings) => (3, settings.variant()),
+        Transparency::KBufferSinglePass(settings) => (4, settings.variant()),
     };
-    technique << 8 | settings
+    technique << 12 | settings
 }

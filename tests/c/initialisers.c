@@ -35,6 +35,9 @@ int main(void) {
     PRINT(PelageShadow, PELAGE_SHADOW_INIT);
     PRINT(PelageOpaque, PELAGE_OPAQUE_INIT);
     PRINT(PelageABuffer, PELAGE_A_BUFFER_INIT);
+    PRINT(PelageKBuffer, PELAGE_K_BUFFER_INIT);
+    PRINT(PelageKPlusBuffer, PELAGE_K_PLUS_BUFFER_INIT);
+    PRINT(PelageKBufferSinglePass, PELAGE_K_BUFFER_SINGLE_PASS_INIT);
     PRINT(PelageTransparency, PELAGE_TRANSPARENCY_INIT);
     PRINT(PelageView, PELAGE_VIEW_INIT);
     PRINT(PelageLight, PELAGE_LIGHT_INIT);

@@ -230,11 +230,42 @@ fn initialisers() -> String {
         pool_bytes
     );
     initialiser!(
+        PelageKBuffer,
+        "PELAGE_K_BUFFER_INIT",
+        k,
+        rest,
+        selection,
+        storage,
+        raster,
+        pool_bytes
+    );
+    initialiser!(
+        PelageKPlusBuffer,
+        "PELAGE_K_PLUS_BUFFER_INIT",
+        k,
+        rest,
+        atomics,
+        raster
+    );
+    initialiser!(
+        PelageKBufferSinglePass,
+        "PELAGE_K_BUFFER_SINGLE_PASS_INIT",
+        k,
+        rest,
+        retries,
+        raster,
+        reserved,
+        pool_bytes
+    );
+    initialiser!(
         PelageTransparency,
         "PELAGE_TRANSPARENCY_INIT",
         technique,
         opaque,
-        a_buffer
+        a_buffer,
+        k_buffer,
+        k_plus_buffer,
+        k_buffer_single_pass
     );
     initialiser!(
         PelageView,

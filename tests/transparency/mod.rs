@@ -1,5 +1,9 @@
 //! Tests of `pelage::transparency`.
 
 mod a_buffer;
+mod k_buffer;
+mod k_buffer_single_pass;
+mod k_plus_buffer;
+mod kept;
 mod opaque;
 mod overflow;

@@ -9,7 +9,7 @@ use pelage::shading::{
     Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
-use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{ABuffer, KBuffer, Opaque, Rest, Selection, Storage, Transparency};
 use serde_json::Value;
 
 use super::Group;
@@ -241,5 +241,40 @@ pub fn cases(quick: bool) -> Vec<Case> {
             });
         }
     }
+    cases.extend(k_buffers().into_iter().map(|(k_buffer, pool)| Case {
+        transparency: Transparency::KBuffer(k_buffer),
+        pool,
+        ..base.clone()
+    }));
     cases
+}
+
+/// The k-buffer over K, with what becomes of the rest, by each selection (Yu et al. 2012, §6.1), and with small pools.
+fn k_buffers() -> Vec<(KBuffer, Option<f64>)> {
+    let base = KBuffer {
+        raster: Raster::Walk,
+        ..KBuffer::default()
+    };
+    let mut ladder = Vec::new();
+    for k in [2, 4, 8, 16, 32, 64] {
+        ladder.push((KBuffer { k, ..base }, None));
+        if k == 16 || k == 64 {
+            let others = [Selection::Rounds, Selection::Sort];
+            ladder.extend(others.map(|selection| {
+                (
+                    KBuffer {
+                        k,
+                        selection,
+                        ..base
+                    },
+                    None,
+                )
+            }));
+        }
+    }
+    for rest in [Rest::Alpha, Rest::Dropped] {
+        ladder.extend([4, 8, 16].map(|k| (KBuffer { k, rest, ..base }, None)));
+    }
+    ladder.extend([0.5, 0.1].map(|pool| (base, Some(pool))));
+    ladder
 }
