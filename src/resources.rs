@@ -50,6 +50,8 @@ struct Slot {
     counters: Allocation,
     state: Arc<AtomicU8>,
     bands: u64,
+    /// Whether fragments lie in a pool, and whether as linked nodes.
+    pool: bool,
     lists: bool,
     capacity: u64,
     /// The tables that the frame fills; 0: none.
@@ -155,6 +157,8 @@ pub(crate) struct Returned {
     pub culled: u64,
     pub stored: u64,
     pub merged: u64,
+    /// Of these, for want of room in the pool.
+    pub overflowed: u64,
     pub covered: u64,
     /// The most that one band asked of the pool.
     pub needed: u64,
@@ -221,6 +225,7 @@ impl Resources {
                     )?,
                     state: Arc::default(),
                     bands: 0,
+                    pool: false,
                     lists: false,
                     capacity: 0,
                     fills: 0,
@@ -661,7 +666,9 @@ impl Resources {
             slot.depth = target.depth.cloned();
         }
         slot.bands = plan.bands.len() as u64;
-        slot.lists = plan.transparency.needs(0).fragments.linked();
+        let fragments = plan.transparency.needs(0).fragments;
+        slot.pool = matches!(fragments, Fragments::Pool { .. });
+        slot.lists = fragments.linked();
         slot.capacity = self.capacity;
         slot.fills = self.tables.to_fill();
         Ok(())
@@ -780,21 +787,23 @@ fn read_slot(slot: &Slot) -> Returned {
             counters.merged,
         ]
         .map(u64::from);
-        let mut needed = produced;
-        let mut found = produced;
+        let (mut needed, mut found, mut overflowed) = (produced, produced, merged);
         if slot.lists {
             // `stored` counts the nodes that were asked for; of what a technique counts itself some asked for none.
             needed = stored;
+            overflowed = stored.saturating_sub(slot.capacity);
             if produced == 0 {
-                found = stored;
-                merged = stored.saturating_sub(slot.capacity);
+                (found, merged) = (stored, overflowed);
             }
             stored = found - merged;
+        } else if !slot.pool {
+            overflowed = 0;
         }
         sum.produced += found + culled;
         sum.culled += culled;
         sum.stored += stored;
         sum.merged += merged;
+        sum.overflowed += overflowed;
         sum.covered += u64::from(counters.covered);
         sum.needed = sum.needed.max(needed);
     }

@@ -11,8 +11,8 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, KBuffer, KBufferSinglePass, KPlusBuffer, Opaque, Rest, Selection, Storage,
-    Transparency, a_buffer, opaque, resolve_module,
+    ABuffer, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest, Selection, Storage,
+    Transparency, a_buffer, moment, opaque, resolve_module,
 };
 
 /// A module that the crate can build.
@@ -73,6 +73,7 @@ pub fn combinations() -> Vec<Combination> {
         .iter()
         .chain(&a_buffer::EMISSIONS)
         .chain(&kept)
+        .chain(&moment::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
@@ -91,6 +92,10 @@ pub fn combinations() -> Vec<Combination> {
         (
             "opaque".to_string(),
             Transparency::Opaque(Opaque::default()),
+        ),
+        (
+            "moment".into(),
+            Transparency::Moment(Moment::default()),
         ),
         ("counted".into(), counted),
         ("lists".into(), lists),

@@ -92,6 +92,11 @@ fn a_device_without_anything_optional_draws_the_same() {
     for transparency in [
         a_buffer(Storage::Counted, Raster::Walk),
         a_buffer(Storage::Lists, Raster::Ribbons),
+        // By 64-bit atomics on the one, by 32-bit ones on the other.
+        Transparency::KPlusBuffer(KPlusBuffer {
+            rest: Rest::Merged,
+            ..KPlusBuffer::default()
+        }),
         Transparency::Opaque(Opaque {
             raster: Raster::Ribbons,
         }),

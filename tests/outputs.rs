@@ -32,10 +32,20 @@ const MOTION: f64 = 4e-3;
 /// does: 1 of 2,163 was measured.
 const TIES: f64 = 0.002;
 
-fn techniques() -> [(&'static str, Transparency); 3] {
+fn techniques() -> [(&'static str, Transparency); 7] {
     [
         ("counted", a_buffer(Storage::Counted, Raster::Walk)),
         ("lists", a_buffer(Storage::Lists, Raster::Ribbons)),
+        ("k_buffer", Transparency::KBuffer(KBuffer::default())),
+        (
+            "k_plus_buffer",
+            Transparency::KPlusBuffer(KPlusBuffer::default()),
+        ),
+        (
+            "k_buffer_single_pass",
+            Transparency::KBufferSinglePass(KBufferSinglePass::default()),
+        ),
+        ("moment", Transparency::Moment(Moment::default())),
         (
             "opaque",
             Transparency::Opaque(Opaque {

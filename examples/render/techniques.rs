@@ -11,8 +11,8 @@ use pelage::shading::{
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{
-    ABuffer, Atomics, KBuffer, KBufferSinglePass, KPlusBuffer, Opaque, Rest, Selection, Storage,
-    Transparency,
+    ABuffer, Atomics, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest, Selection,
+    Storage, Transparency,
 };
 use pelage::{Raster, glam};
 use serde::de::DeserializeOwned;
@@ -64,6 +64,7 @@ pub const TRANSPARENCY: Group = Group {
         "k_buffer",
         "k_plus_buffer",
         "k_buffer_single_pass",
+        "moment",
     ],
     default: "a_buffer",
 };
@@ -429,6 +430,20 @@ impl KBufferKeys {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+struct MomentKeys {
+    raster: RasterKey,
+}
+
+impl Default for MomentKeys {
+    fn default() -> Self {
+        Self {
+            raster: RasterKey::of(Moment::default().raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 struct KPlusBufferKeys {
     k: u32,
     rest: RestKey,
@@ -543,6 +558,7 @@ impl Group {
             "k_buffer" => json!(KBufferKeys::default()),
             "k_plus_buffer" => json!(KPlusBufferKeys::default()),
             "k_buffer_single_pass" => json!(KBufferSinglePassKeys::default()),
+            "moment" => json!(MomentKeys::default()),
             _ => json!(NoKeys::default()),
         };
         settings
@@ -698,6 +714,12 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
                 pool_bytes: keys.pool_bytes,
             }))
         }
+        "moment" => {
+            let keys: MomentKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::Moment(Moment {
+                raster: keys.raster.raster(),
+            }))
+        }
         _ => unreachable!("{stem} is listed and not handled"),
     }
 }
@@ -793,6 +815,9 @@ pub fn transparency_settings(transparency: &Transparency) -> Value {
         Transparency::KBuffer(settings) => json!(KBufferKeys::of(settings)),
         Transparency::KPlusBuffer(settings) => json!(KPlusBufferKeys::of(settings)),
         Transparency::KBufferSinglePass(settings) => json!(KBufferSinglePassKeys::of(settings)),
+        Transparency::Moment(settings) => json!(MomentKeys {
+            raster: RasterKey::of(settings.raster)
+        }),
         _ => json!({}),
     };
     with_stem(transparency.stem(), settings)

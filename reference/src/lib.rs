@@ -8,7 +8,7 @@
 //! - [`coverage`]: the area of a pixel that a fibre covers, exactly and by supersampling
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
-//! - [`k_buffer`]: what they look like to a renderer that keeps the nearest of them
+//! - [`k_buffer`], [`moment`]: what they look like to a renderer that keeps the nearest of them, or moments of all
 //! - [`transmittance`]: how much light reaches a point through other fibres
 //! - [`fibre`]: directions in a fibre's frame, lobes, and what every scattering model of a fibre offers
 //! - [`kajiya_kay`], [`scheuermann`]: how a fibre scatters light, from fixed lobes
@@ -30,7 +30,7 @@ pub mod furnace;
 pub mod k_buffer;
 pub mod kajiya_kay;
 pub mod marschner;
-
+pub mod moment;
 pub mod project;
 pub mod ray_optics;
 pub mod sadeghi;

@@ -14,8 +14,8 @@ use crate::shading::{
 };
 use crate::shadow::{DeepOpacityMap, Shadow};
 use crate::transparency::{
-    ABuffer, Atomics, KBuffer, KBufferSinglePass, KPlusBuffer, Opaque, Rest, Selection, Storage,
-    Transparency,
+    ABuffer, Atomics, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest, Selection,
+    Storage, Transparency,
 };
 use glam::Vec3;
 
@@ -70,6 +70,8 @@ pub const PELAGE_TRANSPARENCY_K_BUFFER: u32 = 6;
 pub const PELAGE_TRANSPARENCY_K_PLUS_BUFFER: u32 = 7;
 /// Fragments linked in order as they come, unless K nearer ones are there (Yu et al. 2012).
 pub const PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS: u32 = 8;
+/// Colours weighted by a transmittance that moments of optical depth give (Muenstermann et al. 2018, Sharpe 2018).
+pub const PELAGE_TRANSPARENCY_MOMENT: u32 = 9;
 
 /// The library chooses.
 pub const PELAGE_RASTER_AUTO: u32 = 0;
@@ -670,6 +672,27 @@ impl Default for PelageKBufferSinglePass {
 
 descriptor!(PelageKBufferSinglePass, "PELAGE_K_BUFFER_SINGLE_PASS_INIT", pool_bytes: u64);
 
+/// Settings of moment-based transparency.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageMoment {
+    /// `sizeof(PelageMoment)`.
+    pub struct_size: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageMoment {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageMoment, "PELAGE_MOMENT_INIT", raster: u32);
+
 /// A transparency technique with its settings.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -688,6 +711,8 @@ pub struct PelageTransparency {
     pub k_plus_buffer: *const PelageKPlusBuffer,
     /// For `PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS`; NULL: as `PELAGE_K_BUFFER_SINGLE_PASS_INIT`.
     pub k_buffer_single_pass: *const PelageKBufferSinglePass,
+    /// For `PELAGE_TRANSPARENCY_MOMENT`; NULL: as `PELAGE_MOMENT_INIT`.
+    pub moment: *const PelageMoment,
 }
 
 impl Default for PelageTransparency {
@@ -700,11 +725,12 @@ impl Default for PelageTransparency {
             k_buffer: null(),
             k_plus_buffer: null(),
             k_buffer_single_pass: null(),
+            moment: null(),
         }
     }
 }
 
-descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", k_buffer_single_pass: *const PelageKBufferSinglePass);
+descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", moment: *const PelageMoment);
 
 /// What stands behind a pointer to settings, or their defaults behind NULL.
 unsafe fn settings<T: descriptor::Descriptor>(name: &str, pointer: *const T) -> Result<T> {
@@ -986,6 +1012,13 @@ pub(super) unsafe fn transparency(
             // SAFETY: the rule of the module `capi`.
             let single = unsafe { settings("k_buffer_single_pass", given.k_buffer_single_pass) }?;
             Transparency::KBufferSinglePass(k_buffer_single_pass(&single)?)
+        }
+        PELAGE_TRANSPARENCY_MOMENT => {
+            // SAFETY: the rule of the module `capi`.
+            let moment = unsafe { settings("moment", given.moment) }?;
+            Transparency::Moment(Moment {
+                raster: raster(moment.raster)?,
+            })
         }
         unknown => {
             return invalid!("{name}: technique {unknown} is not one of PELAGE_TRANSPARENCY_…");

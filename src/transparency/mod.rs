@@ -4,12 +4,14 @@ pub mod a_buffer;
 pub mod k_buffer;
 pub mod k_buffer_single_pass;
 pub mod k_plus_buffer;
+pub mod moment;
 pub mod opaque;
 
 pub use a_buffer::{ABuffer, Storage};
 pub use k_buffer::{KBuffer, Rest, Selection};
 pub use k_buffer_single_pass::KBufferSinglePass;
 pub use k_plus_buffer::{Atomics, KPlusBuffer};
+pub use moment::Moment;
 pub use opaque::Opaque;
 
 use crate::error::Result;
@@ -33,6 +35,8 @@ pub enum Transparency {
     KPlusBuffer(KPlusBuffer),
     /// Fragments linked in order as they come, unless K nearer ones are there.
     KBufferSinglePass(KBufferSinglePass),
+    /// No fragment stored: colours weighted by a transmittance that moments of optical depth give.
+    Moment(Moment),
 }
 
 impl Default for Transparency {
@@ -50,6 +54,7 @@ impl Transparency {
             Self::KBuffer(_) => "k_buffer",
             Self::KPlusBuffer(_) => "k_plus_buffer",
             Self::KBufferSinglePass(_) => "k_buffer_single_pass",
+            Self::Moment(_) => "moment",
         }
     }
 
@@ -59,7 +64,7 @@ impl Transparency {
     /// A setting out of its range, named.
     pub fn validate(&self) -> Result<()> {
         match self {
-            Self::Opaque(_) => Ok(()),
+            Self::Opaque(_) | Self::Moment(_) => Ok(()),
             Self::ABuffer(settings) => settings.validate(),
             Self::KBuffer(settings) => settings.validate(),
             Self::KPlusBuffer(settings) => settings.validate(),
@@ -83,6 +88,7 @@ impl Transparency {
             Self::KBuffer(settings) => settings.raster,
             Self::KPlusBuffer(settings) => settings.raster,
             Self::KBufferSinglePass(settings) => settings.raster,
+            Self::Moment(settings) => settings.raster,
         }
     }
 }
@@ -126,6 +132,7 @@ impl Transparency {
             Self::KBuffer(settings) => settings.stored().needs(pixels),
             Self::KPlusBuffer(settings) => settings.needs(pixels),
             Self::KBufferSinglePass(settings) => settings.needs(pixels),
+            Self::Moment(_) => moment::needs(pixels),
         }
     }
 
@@ -183,6 +190,7 @@ pub(crate) fn record(
         Transparency::KBufferSinglePass(settings) => {
             k_buffer_single_pass::record(gpu, passes, bound, band, &draw, plan, settings)
         }
+        Transparency::Moment(_) => moment::record(gpu, passes, bound, band, &draw, plan),
     }
 }
 
@@ -198,6 +206,7 @@ pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module 
         Transparency::KBufferSinglePass(settings) => {
             k_buffer_single_pass::resolve_module(common, settings)
         }
+        Transparency::Moment(_) => moment::resolve_module(common),
     }
 }
 
@@ -209,6 +218,7 @@ pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
         Transparency::KBuffer(settings) => (2, settings.variant()),
         Transparency::KPlusBuffer(settings) => (3, settings.variant()),
         Transparency::KBufferSinglePass(settings) => (4, settings.variant()),
+        Transparency::Moment(_) => (5, 0),
     };
     technique << 12 | settings
 }

@@ -38,6 +38,7 @@ int main(void) {
     PRINT(PelageKBuffer, PELAGE_K_BUFFER_INIT);
     PRINT(PelageKPlusBuffer, PELAGE_K_PLUS_BUFFER_INIT);
     PRINT(PelageKBufferSinglePass, PELAGE_K_BUFFER_SINGLE_PASS_INIT);
+    PRINT(PelageMoment, PELAGE_MOMENT_INIT);
     PRINT(PelageTransparency, PELAGE_TRANSPARENCY_INIT);
     PRINT(PelageView, PELAGE_VIEW_INIT);
     PRINT(PelageLight, PELAGE_LIGHT_INIT);

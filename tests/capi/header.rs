@@ -257,6 +257,7 @@ fn initialisers() -> String {
         reserved,
         pool_bytes
     );
+    initialiser!(PelageMoment, "PELAGE_MOMENT_INIT", raster);
     initialiser!(
         PelageTransparency,
         "PELAGE_TRANSPARENCY_INIT",
@@ -265,7 +266,8 @@ fn initialisers() -> String {
         a_buffer,
         k_buffer,
         k_plus_buffer,
-        k_buffer_single_pass
+        k_buffer_single_pass,
+        moment
     );
     initialiser!(
         PelageView,

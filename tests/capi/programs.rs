@@ -256,6 +256,7 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageKBuffer,
         PelageKPlusBuffer,
         PelageKBufferSinglePass,
+        PelageMoment,
         PelageTransparency,
         PelageView,
         PelageLight,

@@ -6,7 +6,7 @@ use pelage::transparency::{ABuffer, KBufferSinglePass, Rest, Transparency};
 
 use super::kept::{Scene, assert_overflows_gracefully, assert_shows, errors, pile, render_pile};
 use crate::common::device;
-use crate::common::images::{Tolerance, assert_identical};
+use crate::common::images::Tolerance;
 
 /// As of the k-buffer.
 const TOLERANCE: Tolerance = Tolerance {

@@ -67,7 +67,7 @@ fn either_form_shows_the_k_nearest_and_the_rest_bit_for_bit_the_same() {
 fn with_k_enough_it_is_the_exact_composite() {
     let Some(mut device) = device() else { return };
     let mut scene = Scene::new(&mut device);
-    scene.hair.opacity = 0.6;
+    scene.hair.opacity = 0.9;
     for rest in [Rest::Alpha, Rest::Dropped] {
         let technique = k_plus(48, rest, Atomics::Auto, Raster::Walk);
         let exact = scene.exact();
