@@ -189,6 +189,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Fragments linked in order as they come, unless K nearer ones are there (Yu et al. 2012).
 #define PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS 8
 
+// Colours weighted by a transmittance that moments of optical depth give (Muenstermann et al. 2018, Sharpe 2018).
+#define PELAGE_TRANSPARENCY_MOMENT 9
+
 // The library chooses.
 #define PELAGE_RASTER_AUTO 0
 
@@ -792,6 +795,14 @@ typedef struct PelageKBufferSinglePass {
     uint64_t pool_bytes;
 } PelageKBufferSinglePass;
 
+// Settings of moment-based transparency.
+typedef struct PelageMoment {
+    // `sizeof(PelageMoment)`.
+    uint32_t struct_size;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageMoment;
+
 // A transparency technique with its settings.
 typedef struct PelageTransparency {
     // `sizeof(PelageTransparency)`.
@@ -808,6 +819,8 @@ typedef struct PelageTransparency {
     const struct PelageKPlusBuffer *k_plus_buffer;
     // For `PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS`; NULL: as `PELAGE_K_BUFFER_SINGLE_PASS_INIT`.
     const struct PelageKBufferSinglePass *k_buffer_single_pass;
+    // For `PELAGE_TRANSPARENCY_MOMENT`; NULL: as `PELAGE_MOMENT_INIT`.
+    const struct PelageMoment *moment;
 } PelageTransparency;
 
 // How a target is made.
@@ -915,11 +928,12 @@ typedef struct PelageStatistics {
     // Fragments that the rasteriser found within the view's depth range, like all counts of fragments below of the latest
     // frame whose counters have come back: after `pelage_wait`, the latest.
     uint64_t fragments_produced;
-    // Of these, dropped before they were stored, since they cannot be seen.
+    // Of these, dropped before they were stored: since they cannot be seen, or since the technique leaves out what it does
+    // not keep.
     uint64_t fragments_culled;
     // Stored one by one.
     uint64_t fragments_stored;
-    // Merged into a pixel's tail, since the pool was too small.
+    // Merged into one layer of their pixel: since the pool was too small, or since the technique stores fewer or none.
     uint64_t fragments_merged;
     // Pixels that hold a fragment; counted arrays only, 0 elsewhere.
     uint64_t covered_pixels;
@@ -1612,7 +1626,8 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_K_BUFFER_INIT { sizeof(PelageKBuffer), 16, 0, 0, 0, 0, 0 }
 #define PELAGE_K_PLUS_BUFFER_INIT { sizeof(PelageKPlusBuffer), 8, 1, 0, 0 }
 #define PELAGE_K_BUFFER_SINGLE_PASS_INIT { sizeof(PelageKBufferSinglePass), 8, 0, 32, 0, 0, 0 }
-#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL, NULL, NULL, NULL }
+#define PELAGE_MOMENT_INIT { sizeof(PelageMoment), 0 }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }

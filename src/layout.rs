@@ -96,8 +96,12 @@ pub struct Frame {
     pub run_rows: u32,
     pub part_capacity: u32,
     pub origin: [u32; 2],
+    pub cut_depth: f32,
+    pub depth_shift: f32,
     pub key_first: u32,
     pub key_packing: u32,
+    pub padding_0: u32,
+    pub padding_1: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
 }

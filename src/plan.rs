@@ -80,6 +80,8 @@ pub(crate) struct Plan {
     pub shadowed: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
+    /// Whether the technique cuts off what cannot be seen.
+    pub cuts: bool,
     /// Whether an output asks for a record of each point.
     pub tracked: bool,
     /// The pixel of the target that the view begins at.
@@ -254,6 +256,7 @@ impl Plan {
             shadowed: false,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
+            cuts: matches!(transparency, Transparency::DbkBuffer(_)),
             tracked: target.outputs.wanted().1,
             origin: [left, top],
             parts: 1,
@@ -277,6 +280,10 @@ impl Plan {
                 origin: [left, top],
                 key_first: keys[0],
                 key_packing: key_packing(keys, point_count),
+                padding_0: 0,
+                padding_1: 0,
+                cut_depth: transparency.cut_depth(),
+                depth_shift: transparency.depth_shift(),
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
             },

@@ -347,7 +347,7 @@ impl Resources {
                 generation,
             )?;
         }
-        if plan.host_depth {
+        if plan.host_depth || plan.cuts {
             let bytes = u64::from(plan.tile_count()) * 8;
             grow(
                 gpu,

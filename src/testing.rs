@@ -11,8 +11,8 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest, Selection, Storage,
-    Transparency, a_buffer, moment, opaque, resolve_module,
+    ABuffer, DbkBuffer, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest, Selection,
+    Storage, Transparency, a_buffer, dbk_buffer, moment, opaque, resolve_module,
 };
 
 /// A module that the crate can build.
@@ -74,6 +74,7 @@ pub fn combinations() -> Vec<Combination> {
         .chain(&a_buffer::EMISSIONS)
         .chain(&kept)
         .chain(&moment::EMISSIONS)
+        .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
@@ -88,6 +89,10 @@ pub fn combinations() -> Vec<Combination> {
         storage: Storage::Lists,
         ..Default::default()
     });
+    let by_shift = Transparency::DbkBuffer(DbkBuffer {
+        depth_shift: Some(1.0),
+        ..Default::default()
+    });
     let mut techniques = vec![
         (
             "opaque".to_string(),
@@ -99,6 +104,11 @@ pub fn combinations() -> Vec<Combination> {
         ),
         ("counted".into(), counted),
         ("lists".into(), lists),
+        (
+            "dbk_buffer".into(),
+            Transparency::DbkBuffer(DbkBuffer::default()),
+        ),
+        ("dbk_buffer by a shift".into(), by_shift),
     ];
     for settings in plus {
         let name = format!("k_plus_buffer {:?}", settings.rest);
@@ -147,6 +157,9 @@ pub fn combinations() -> Vec<Combination> {
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
     ));
+    modules.push(("dbk_buffer depths".into(), dbk_buffer::depths_module()));
+    modules.push(("dbk_buffer drop".into(), dbk_buffer::drop_module()));
+    modules.push(("dbk_buffer pixels".into(), dbk_buffer::pixels_module()));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
@@ -254,7 +267,7 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, key_first, key_packing, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, cut_depth, depth_shift, key_first, key_packing, padding_0, padding_1, lights, shadow_views,
         }
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }

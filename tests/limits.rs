@@ -4,7 +4,7 @@ use pelage::glam::{DVec3, Vec3, Vec4};
 use pelage::groom::{BuiltinGroom, builtin};
 use pelage::host::offscreen::{Offscreen, WantedOutputs};
 use pelage::raster::Raster;
-use pelage::transparency::{Opaque, Storage, Transparency};
+use pelage::transparency::{KPlusBuffer, Opaque, Rest, Storage, Transparency};
 use pelage::wgpu::{self, Features, Limits};
 use pelage::{Error, Frame, Light, Target};
 

@@ -5,7 +5,9 @@ use pelage::glam::{DMat4, DQuat, DVec2, DVec3, DVec4, Vec3};
 use pelage::groom::{BuiltinGroom, Curve, builtin};
 use pelage::host::offscreen::{Image, WantedOutputs};
 use pelage::raster::Raster;
-use pelage::transparency::{Opaque, Storage, Transparency};
+use pelage::transparency::{
+    KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Storage, Transparency,
+};
 use pelage::{Error, Frame, Hair, Instance, NO_STRAND, Outputs, PreviousView, Target, View, wgpu};
 use pelage_reference::fragments::FragmentLists;
 

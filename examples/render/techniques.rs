@@ -11,8 +11,8 @@ use pelage::shading::{
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{
-    ABuffer, Atomics, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest, Selection,
-    Storage, Transparency,
+    ABuffer, Atomics, DbkBuffer, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest,
+    Selection, Storage, Transparency,
 };
 use pelage::{Raster, glam};
 use serde::de::DeserializeOwned;
@@ -64,9 +64,10 @@ pub const TRANSPARENCY: Group = Group {
         "k_buffer",
         "k_plus_buffer",
         "k_buffer_single_pass",
+        "dbk_buffer",
         "moment",
     ],
-    default: "a_buffer",
+    default: "dbk_buffer",
 };
 /// All groups that select.
 pub const GROUPS: [Group; 3] = [SHADING, SHADOW, TRANSPARENCY];
@@ -500,6 +501,32 @@ impl KBufferSinglePassKeys {
     }
 }
 
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct DbkBufferKeys {
+    epsilon: f32,
+    depth_shift: Option<f32>,
+    raster: RasterKey,
+    pool_bytes: Option<u64>,
+}
+
+impl Default for DbkBufferKeys {
+    fn default() -> Self {
+        Self::of(&DbkBuffer::default())
+    }
+}
+
+impl DbkBufferKeys {
+    fn of(settings: &DbkBuffer) -> Self {
+        Self {
+            epsilon: settings.epsilon,
+            depth_shift: settings.depth_shift,
+            raster: RasterKey::of(settings.raster),
+            pool_bytes: settings.pool_bytes,
+        }
+    }
+}
+
 impl Group {
     /// The stem that a group's map selects, known to this build.
     pub fn stem(&self, map: &Map<String, Value>) -> Result<&'static str> {
@@ -559,6 +586,7 @@ impl Group {
             "k_plus_buffer" => json!(KPlusBufferKeys::default()),
             "k_buffer_single_pass" => json!(KBufferSinglePassKeys::default()),
             "moment" => json!(MomentKeys::default()),
+            "dbk_buffer" => json!(DbkBufferKeys::default()),
             _ => json!(NoKeys::default()),
         };
         settings
@@ -691,6 +719,15 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
                 pool_bytes: keys.pool_bytes,
             }))
         }
+        "dbk_buffer" => {
+            let keys: DbkBufferKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::DbkBuffer(DbkBuffer {
+                epsilon: keys.epsilon,
+                depth_shift: keys.depth_shift,
+                raster: keys.raster.raster(),
+                pool_bytes: keys.pool_bytes,
+            }))
+        }
         "k_plus_buffer" => {
             let keys: KPlusBufferKeys = TRANSPARENCY.settings(stem, map)?;
             Ok(Transparency::KPlusBuffer(KPlusBuffer {
@@ -818,6 +855,7 @@ pub fn transparency_settings(transparency: &Transparency) -> Value {
         Transparency::Moment(settings) => json!(MomentKeys {
             raster: RasterKey::of(settings.raster)
         }),
+        Transparency::DbkBuffer(settings) => json!(DbkBufferKeys::of(settings)),
         _ => json!({}),
     };
     with_stem(transparency.stem(), settings)

@@ -101,10 +101,15 @@ struct Frame {
     part_capacity: u32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
+    // DBK-buffer: optical depth beyond which nothing is stored, and the depth shift in host units where that decides.
+    cut_depth: f32,
+    depth_shift: f32,
     // How a depth key and a point share a word: the nearest key of the frame's hair, and bits by which keys are shifted, with
     // the bits of a point above them.
     key_first: u32,
     key_packing: u32,
+    padding_0: u32,
+    padding_1: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }

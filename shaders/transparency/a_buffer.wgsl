@@ -134,6 +134,11 @@ fn resolve(pixel: vec2u) -> Resolved {
         colour += transmittance * tail.xyz;
         transmittance *= tail.w;
     }
+    if transmittance > A_BUFFER_UNSEEN {
+        let beyond = resolve_beyond(number);
+        colour += transmittance * beyond.xyz;
+        transmittance *= beyond.w;
+    }
     result.colour = vec4f(colour, 1.0 - transmittance);
     return result;
 }

@@ -118,6 +118,6 @@ fn a_buffer_nearest(pixel: vec2u) -> Nearest {
             near.key = overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY];
         }
     }
-    near.opacity = 1.0 - transmittance;
+    near.opacity = 1.0 - transmittance * resolve_beyond(number).w;
     return near;
 }

@@ -17,6 +17,7 @@ const COUNT: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/a_buffer_store",
         "transparency/a_buffer_emit",
     ],
     group: Group::PixelsWritten,
@@ -122,8 +123,8 @@ pub(crate) fn scan_words(pixels: u64) -> u64 {
     pixels + 1 + pixels.div_ceil(u64::from(SCAN_BLOCK))
 }
 
-/// Fills the A-buffer for a band of rows.
-pub(crate) fn record(
+/// Clears what a band's fragments are counted in, and counts them where the storage asks for it.
+pub(crate) fn count(
     gpu: &mut Gpu,
     passes: &mut Passes,
     bound: &Bound,
@@ -145,24 +146,66 @@ pub(crate) fn record(
         bound.clear_counters(encoder);
     });
     match storage {
+        Storage::Lists => Ok(()),
+        Storage::Counted => raster::record(gpu, passes, bound, &COUNT, draw, plan),
+    }
+}
+
+/// Fills the A-buffer for a band of rows.
+pub(crate) fn record(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    draw: &Draw,
+    plan: &Plan,
+    storage: Storage,
+) -> Result<()> {
+    match storage {
         Storage::Lists => raster::record(gpu, passes, bound, &LIST, draw, plan)?,
-        Storage::Counted => {
-            raster::record(gpu, passes, bound, &COUNT, draw, plan)?;
-            scan(gpu, passes, bound, band, plan, false)?;
-            // From here to the scatter nothing is run, or all returns at once, where the pool suffices.
-            bound.copy_arguments(passes);
-            let overflowing = Draw {
-                on_overflow: true,
-                ..*draw
-            };
-            search(gpu, passes, bound, band, &overflowing, plan)?;
-            scan(gpu, passes, bound, band, plan, true)?;
-            raster::record(gpu, passes, bound, &SCATTER_OVERFLOW, &overflowing, plan)?;
-            raster::record(gpu, passes, bound, &SCATTER, draw, plan)?;
-        }
+        Storage::Counted => store(gpu, passes, bound, band, draw, plan, &STORE)?,
     }
     bound.keep_counters(passes, band.number);
     Ok(())
+}
+
+/// The stages that store fragments that have been counted.
+pub(crate) struct Store {
+    pub range: Emission,
+    pub histogram: Emission,
+    pub scatter: Emission,
+    pub scatter_overflow: Emission,
+}
+
+const STORE: Store = Store {
+    range: RANGE,
+    histogram: HISTOGRAM,
+    scatter: SCATTER,
+    scatter_overflow: SCATTER_OVERFLOW,
+};
+
+/// Turns the pixels' counts into places, and stores the fragments there.
+pub(crate) fn store(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    draw: &Draw,
+    plan: &Plan,
+    stages: &Store,
+) -> Result<()> {
+    scan(gpu, passes, bound, band, plan, false)?;
+    // From here to the scatter nothing is run, or all returns at once, where the pool suffices.
+    bound.copy_arguments(passes);
+    let overflowing = Draw {
+        on_overflow: true,
+        ..*draw
+    };
+    search(gpu, passes, bound, band, &overflowing, plan, stages)?;
+    scan(gpu, passes, bound, band, plan, true)?;
+    let overflow = &stages.scatter_overflow;
+    raster::record(gpu, passes, bound, overflow, &overflowing, plan)?;
+    raster::record(gpu, passes, bound, &stages.scatter, draw, plan)
 }
 
 /// Finds the depth up to which each pixel's nearest fragments fill its share of a pool that is too small.
@@ -173,6 +216,7 @@ fn search(
     band: &Band,
     draw: &Draw,
     plan: &Plan,
+    stages: &Store,
 ) -> Result<()> {
     pixel_pass(
         gpu,
@@ -185,7 +229,7 @@ fn search(
             "a_buffer_overflow_begin",
         ),
     )?;
-    raster::record(gpu, passes, bound, &RANGE, draw, plan)?;
+    raster::record(gpu, passes, bound, &stages.range, draw, plan)?;
     pixel_pass(
         gpu,
         passes,
@@ -198,7 +242,7 @@ fn search(
         ),
     )?;
     for _ in 0..SEARCH_ROUNDS {
-        raster::record(gpu, passes, bound, &HISTOGRAM, draw, plan)?;
+        raster::record(gpu, passes, bound, &stages.histogram, draw, plan)?;
         pixel_pass(
             gpu,
             passes,
@@ -299,6 +343,7 @@ pub(crate) fn resolve_module(common: Module, storage: Storage) -> Module {
     common
         .and(&[
             "transparency/overflow",
+            "transparency/a_buffer_whole",
             "transparency/a_buffer_read",
             "transparency/a_buffer",
         ])

@@ -119,6 +119,7 @@ pub(crate) fn resolve_module(common: Module, settings: &KBuffer) -> Module {
     common
         .and(&[
             "transparency/overflow",
+            "transparency/a_buffer_whole",
             "transparency/a_buffer_read",
             "transparency/k_buffer",
         ])

@@ -1,6 +1,7 @@
 //! Transparency techniques: how a pixel's fragments become one colour.
 
 pub mod a_buffer;
+pub mod dbk_buffer;
 pub mod k_buffer;
 pub mod k_buffer_single_pass;
 pub mod k_plus_buffer;
@@ -8,6 +9,7 @@ pub mod moment;
 pub mod opaque;
 
 pub use a_buffer::{ABuffer, Storage};
+pub use dbk_buffer::DbkBuffer;
 pub use k_buffer::{KBuffer, Rest, Selection};
 pub use k_buffer_single_pass::KBufferSinglePass;
 pub use k_plus_buffer::{Atomics, KPlusBuffer};
@@ -37,6 +39,8 @@ pub enum Transparency {
     KBufferSinglePass(KBufferSinglePass),
     /// No fragment stored: colours weighted by a transmittance that moments of optical depth give.
     Moment(Moment),
+    /// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+    DbkBuffer(DbkBuffer),
 }
 
 impl Default for Transparency {
@@ -55,6 +59,7 @@ impl Transparency {
             Self::KPlusBuffer(_) => "k_plus_buffer",
             Self::KBufferSinglePass(_) => "k_buffer_single_pass",
             Self::Moment(_) => "moment",
+            Self::DbkBuffer(_) => "dbk_buffer",
         }
     }
 
@@ -69,6 +74,7 @@ impl Transparency {
             Self::KBuffer(settings) => settings.validate(),
             Self::KPlusBuffer(settings) => settings.validate(),
             Self::KBufferSinglePass(settings) => settings.validate(),
+            Self::DbkBuffer(settings) => settings.validate(),
         }
     }
 
@@ -89,6 +95,7 @@ impl Transparency {
             Self::KPlusBuffer(settings) => settings.raster,
             Self::KBufferSinglePass(settings) => settings.raster,
             Self::Moment(settings) => settings.raster,
+            Self::DbkBuffer(settings) => settings.raster,
         }
     }
 }
@@ -133,6 +140,7 @@ impl Transparency {
             Self::KPlusBuffer(settings) => settings.needs(pixels),
             Self::KBufferSinglePass(settings) => settings.needs(pixels),
             Self::Moment(_) => moment::needs(pixels),
+            Self::DbkBuffer(settings) => settings.needs(pixels),
         }
     }
 
@@ -141,6 +149,22 @@ impl Transparency {
         match self {
             Self::KBufferSinglePass(settings) => settings.expected(fragments, pixels),
             _ => fragments,
+        }
+    }
+
+    /// Optical depth beyond which the technique stores nothing; 0 where it does not ask.
+    pub(crate) fn cut_depth(&self) -> f32 {
+        match self {
+            Self::DbkBuffer(settings) => settings.cut_depth(),
+            _ => 0.0,
+        }
+    }
+
+    /// Host units behind the nearest fragment beyond which the technique stores nothing; 0 where it does not ask.
+    pub(crate) fn depth_shift(&self) -> f32 {
+        match self {
+            Self::DbkBuffer(settings) => settings.depth_shift.unwrap_or(0.0),
+            _ => 0.0,
         }
     }
 
@@ -160,6 +184,47 @@ impl Transparency {
     }
 }
 
+/// What a band's fragments are drawn into, and by which rasteriser.
+fn draw<'a>(band: &'a Band, plan: &Plan) -> Draw<'a> {
+    Draw {
+        rasteriser: plan.rasteriser,
+        splits: plan.splits,
+        size: [plan.width, plan.height],
+        rows: [band.first, band.rows],
+        drawings: &band.drawings,
+        on_overflow: false,
+    }
+}
+
+/// What must be known of a band's fragments before they are stored: their number, and which can be seen.
+pub(crate) fn count(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    plan: &Plan,
+) -> Result<()> {
+    let draw = draw(band, plan);
+    match &plan.transparency {
+        Transparency::Opaque(_)
+        | Transparency::KPlusBuffer(_)
+        | Transparency::KBufferSinglePass(_)
+        | Transparency::Moment(_) => Ok(()),
+        Transparency::ABuffer(settings) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::KBuffer(settings) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::DbkBuffer(settings) if plan.cuts => {
+            dbk_buffer::count(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::DbkBuffer(_) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, Storage::Counted)
+        }
+    }
+}
+
 /// Fragments of a band of rows into the technique's buffers.
 pub(crate) fn record(
     gpu: &mut Gpu,
@@ -168,14 +233,7 @@ pub(crate) fn record(
     band: &Band,
     plan: &Plan,
 ) -> Result<()> {
-    let draw = Draw {
-        rasteriser: plan.rasteriser,
-        splits: plan.splits,
-        size: [plan.width, plan.height],
-        rows: [band.first, band.rows],
-        drawings: &band.drawings,
-        on_overflow: false,
-    };
+    let draw = draw(band, plan);
     match &plan.transparency {
         Transparency::Opaque(_) => opaque::record(gpu, passes, bound, band, &draw, plan),
         Transparency::ABuffer(settings) => {
@@ -191,6 +249,12 @@ pub(crate) fn record(
             k_buffer_single_pass::record(gpu, passes, bound, band, &draw, plan, settings)
         }
         Transparency::Moment(_) => moment::record(gpu, passes, bound, band, &draw, plan),
+        Transparency::DbkBuffer(settings) if plan.cuts => {
+            dbk_buffer::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::DbkBuffer(_) => {
+            a_buffer::record(gpu, passes, bound, band, &draw, plan, Storage::Counted)
+        }
     }
 }
 
@@ -207,6 +271,7 @@ pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module 
             k_buffer_single_pass::resolve_module(common, settings)
         }
         Transparency::Moment(_) => moment::resolve_module(common),
+        Transparency::DbkBuffer(settings) => dbk_buffer::resolve_module(common, settings),
     }
 }
 
@@ -219,6 +284,7 @@ pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
         Transparency::KPlusBuffer(settings) => (3, settings.variant()),
         Transparency::KBufferSinglePass(settings) => (4, settings.variant()),
         Transparency::Moment(_) => (5, 0),
+        Transparency::DbkBuffer(settings) => (6, u32::from(settings.depth_shift.is_some())),
     };
     technique << 12 | settings
 }

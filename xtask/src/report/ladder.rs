@@ -9,7 +9,10 @@ use pelage::shading::{
     Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
-use pelage::transparency::{ABuffer, KBuffer, Opaque, Rest, Selection, Storage, Transparency};
+use pelage::transparency::{
+    ABuffer, Atomics, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest, Selection,
+    Storage, Transparency,
+};
 use serde_json::Value;
 
 use super::Group;
@@ -246,7 +249,52 @@ pub fn cases(quick: bool) -> Vec<Case> {
         pool,
         ..base.clone()
     }));
+    cases.extend(k_plus_buffers().into_iter().map(|k_plus_buffer| Case {
+        transparency: Transparency::KPlusBuffer(k_plus_buffer),
+        ..base.clone()
+    }));
+    cases.extend(single_passes().into_iter().map(|(single_pass, pool)| Case {
+        transparency: Transparency::KBufferSinglePass(single_pass),
+        pool,
+        ..base.clone()
+    }));
+    for raster in [Raster::Walk, Raster::Ribbons] {
+        cases.push(Case {
+            transparency: Transparency::Moment(Moment { raster }),
+            ..base.clone()
+        });
+    }
     cases
+}
+
+/// The k⁺-buffer over K by 64-bit atomics, at its own K by 32-bit ones, and with what becomes of the rest.
+fn k_plus_buffers() -> Vec<KPlusBuffer> {
+    let base = KPlusBuffer {
+        raster: Raster::Walk,
+        ..KPlusBuffer::default()
+    };
+    let mut ladder: Vec<_> = [2, 4, 8, 16, 32, 64]
+        .map(|k| KPlusBuffer { k, ..base })
+        .into();
+    ladder.push(KPlusBuffer {
+        atomics: Atomics::Bits32,
+        ..base
+    });
+    ladder.extend([Rest::Merged, Rest::Dropped].map(|rest| KPlusBuffer { rest, ..base }));
+    ladder
+}
+
+/// The single-pass k-buffer over K, and with small pools.
+fn single_passes() -> Vec<(KBufferSinglePass, Option<f64>)> {
+    let base = KBufferSinglePass {
+        raster: Raster::Walk,
+        ..KBufferSinglePass::default()
+    };
+    let mut ladder: Vec<_> = [2, 4, 8, 16, 32, 64]
+        .map(|k| (KBufferSinglePass { k, ..base }, None))
+        .into();
+    ladder.extend([0.5, 0.1].map(|pool| (base, Some(pool))));
+    ladder
 }
 
 /// The k-buffer over K, with what becomes of the rest, by each selection (Yu et al. 2012, §6.1), and with small pools.

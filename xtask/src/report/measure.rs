@@ -95,6 +95,7 @@ fn set_pool(case: &mut Case, fragments: usize) {
     match &mut case.transparency {
         Transparency::ABuffer(settings) => settings.pool_bytes = bytes(settings.storage),
         Transparency::KBuffer(settings) => settings.pool_bytes = bytes(settings.storage),
+        Transparency::KBufferSinglePass(settings) => settings.pool_bytes = bytes(Storage::Lists),
         _ => {}
     }
 }
