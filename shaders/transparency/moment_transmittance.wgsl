@@ -11,9 +11,12 @@ const MOMENT_OVERESTIMATION: f32 = 0.5;
 // Steps a unit of the sums of moments; a carry counts 2^32 of them.
 const MOMENT_SCALE: f32 = 1048576.0;
 // Steps a unit of the sums of weights, and of colours over the overflow's tail_scale.
-const MOMENT_WEIGHT_SCALE: f32 = 1048576.0;
-const MOMENT_COLOUR_SCALE: f32 = 16.0;
-const MOMENT_COLOUR_LARGEST: f32 = 4194304.0;
+const MOMENT_WEIGHT_SCALE: f32 = 16777216.0;
+const MOMENT_COLOUR_SCALE: f32 = 256.0;
+const MOMENT_COLOUR_LARGEST: f32 = 67108864.0;
+// The least transmittance that weighs: of a thick pile at one depth each fragment has next to none, and their mean must not
+// be lost to the steps. A hundred of them behind all others weigh a 2600th.
+const MOMENT_LEAST: f32 = 3.8147e-6;
 // Words a pixel: Σ ω and four sums of moments, with their carries; Σ a T and Σ a T c, with theirs, and the nearest fragment.
 const MOMENT_WORDS: u32 = 6u;
 const MOMENT_CARRIES: u32 = 5u;
@@ -59,5 +62,5 @@ fn moment_transmittance(total: f32, normalised: vec4f, z: f32, own: f32) -> f32 
     let w1 = clamp((first - others * z2) / (z1 - z2), 0.0, max(others, 0.0));
     let before = select(0.0, w1, z1 < z) + select(0.0, max(others - w1, 0.0), z2 < z);
     let around = max(greatest - own / total, 0.0);
-    return exp(-total * clamp(before + MOMENT_OVERESTIMATION * around, 0.0, 1.0));
+    return max(exp(-total * clamp(before + MOMENT_OVERESTIMATION * around, 0.0, 1.0)), MOMENT_LEAST);
 }
