@@ -740,7 +740,8 @@ fn key_range(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> 
         .flat_map(|hair| &hair.corners)
         .map(key)
         .collect();
-    let Some((first, last)) = keys.and_then(|keys| keys.iter().copied().min().zip(keys.into_iter().max()))
+    let Some((first, last)) =
+        keys.and_then(|keys| keys.iter().copied().min().zip(keys.into_iter().max()))
     else {
         return [0, farthest];
     };

@@ -98,10 +98,7 @@ pub fn combinations() -> Vec<Combination> {
             "opaque".to_string(),
             Transparency::Opaque(Opaque::default()),
         ),
-        (
-            "moment".into(),
-            Transparency::Moment(Moment::default()),
-        ),
+        ("moment".into(), Transparency::Moment(Moment::default())),
         ("counted".into(), counted),
         ("lists".into(), lists),
         (

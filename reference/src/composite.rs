@@ -76,7 +76,10 @@ impl Layers {
     }
 }
 
-pub(crate) fn image_of(lists: &FragmentLists, pixel: impl Fn(&[Fragment]) -> [f64; 4] + Sync) -> Image {
+pub(crate) fn image_of(
+    lists: &FragmentLists,
+    pixel: impl Fn(&[Fragment]) -> [f64; 4] + Sync,
+) -> Image {
     let pixels = (0..lists.pixels())
         .into_par_iter()
         .map(|i| pixel(lists.pixel(i)))

@@ -131,9 +131,7 @@ pub fn moment(
         let mut sum = [0.0; 3];
         let mut weight = 0.0;
         for (fragment, (z, own)) in fragments.iter().zip(pairs) {
-            let seen = alpha
-                * fragment.coverage
-                * transmittance_before(&moments, z, own, settings);
+            let seen = alpha * fragment.coverage * transmittance_before(&moments, z, own, settings);
             weight += seen;
             for (sum, channel) in sum.iter_mut().zip(colour(fragment)) {
                 *sum += seen * channel;
@@ -204,7 +202,8 @@ mod tests {
 
     /// Darker the deeper, and of random brightness.
     fn colour(fragment: &Fragment) -> [f64; 3] {
-        let noise = f64::from(fragment.segment.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24);
+        let noise =
+            f64::from(fragment.segment.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24);
         [
             noise,
             (0.9 - fragment.depth) * 10.0,
@@ -234,7 +233,12 @@ mod tests {
             let pairs: Vec<_> = lists
                 .pixel(pixel)
                 .iter()
-                .map(|f| (20.0 * (f.depth - 0.8) - 1.0, optical_depth(0.3 * f.coverage)))
+                .map(|f| {
+                    (
+                        20.0 * (f.depth - 0.8) - 1.0,
+                        optical_depth(0.3 * f.coverage),
+                    )
+                })
                 .collect();
             let moments = Moments::of(&pairs, None);
             let least = (-moments.total).exp();
@@ -272,7 +276,9 @@ mod tests {
                     error(Range::Pixel, 0.25),
                     error(bounds, 0.5),
                 ];
-                eprintln!("alpha {alpha}, part {part}: {half:.4}, a quarter {quarter:.4}, bounds {wide:.4}");
+                eprintln!(
+                    "alpha {alpha}, part {part}: {half:.4}, a quarter {quarter:.4}, bounds {wide:.4}"
+                );
                 assert!(half < 0.05 && half < quarter && half < wide);
             }
         }

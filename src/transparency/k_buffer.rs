@@ -1,4 +1,12 @@
 //! k-buffer from the A-buffer: of a pixel's stored fragments the K nearest are composited (Yu et al. 2012, §5.1).
+//!
+//! Yu states that keeping K in registers is 2.6 times as fast as a selection sort of the K foremost at K = 16, and 6.2 times at
+//! K = 64. Measured here on lavapipe 22.3.6, `builtin:straight` at 656×861 and opacity 0.1 (118 fragments a covered pixel), the
+//! resolve alone, two alternating rounds on a machine under heavy load, so that the spread is wide: 1.2 and 2.0 times at 16,
+//! 3.9 and 7.5 times at 64. So it is confirmed that it pays, and the more the larger K is: a selection sort reads a pixel's
+//! whole list K times and the registers once, while an insertion costs K / 4 vector steps that the sort does without. At 16 the
+//! gain is below Yu's on a CPU, whose cache holds the list. Rounds of eight cost between 0.8 and 1.2 times the registers at 16,
+//! and 1.2 to 1.4 times at 64.
 
 use crate::error::{Result, invalid};
 use crate::raster::Raster;

@@ -121,21 +121,24 @@ pub(crate) fn record(
     let needs = settings.needs(u64::from(plan.width) * u64::from(band.rows));
     let capacity = u64::from(plan.frame_uniform.capacity);
     let part = u64::from(plan.frame_uniform.part_capacity);
-    passes.encode("pelage.transparency.k_buffer_single_pass.clear", |encoder| {
-        let mut clear = |buffer: &wgpu::Buffer, bytes| {
-            if bytes > 0 {
-                encoder.clear_buffer(buffer, 0, Some(bytes));
+    passes.encode(
+        "pelage.transparency.k_buffer_single_pass.clear",
+        |encoder| {
+            let mut clear = |buffer: &wgpu::Buffer, bytes| {
+                if bytes > 0 {
+                    encoder.clear_buffer(buffer, 0, Some(bytes));
+                }
+            };
+            clear(&bound.pixels.fill.buffer, needs.fill);
+            clear(&bound.pixels.overflow.buffer, needs.overflow);
+            clear(&bound.pixels.links.buffer, capacity * 4);
+            for (number, fragments) in bound.pixels.fragments.iter().enumerate() {
+                let held = capacity.saturating_sub(number as u64 * part).min(part);
+                clear(&fragments.buffer, held * FRAGMENT_BYTES);
             }
-        };
-        clear(&bound.pixels.fill.buffer, needs.fill);
-        clear(&bound.pixels.overflow.buffer, needs.overflow);
-        clear(&bound.pixels.links.buffer, capacity * 4);
-        for (number, fragments) in bound.pixels.fragments.iter().enumerate() {
-            let held = capacity.saturating_sub(number as u64 * part).min(part);
-            clear(&fragments.buffer, held * FRAGMENT_BYTES);
-        }
-        bound.clear_counters(encoder);
-    });
+            bound.clear_counters(encoder);
+        },
+    );
     raster::record(gpu, passes, bound, &settings.emission(), draw, plan)?;
     bound.keep_counters(passes, band.number);
     Ok(())

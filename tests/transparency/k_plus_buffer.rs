@@ -121,7 +121,10 @@ fn its_memory_is_what_hunz_states() {
     // §6.3.3: eight fragments of eight bytes and a counter of four, 36.63 MiB at 656×861. Buffers come in steps of 256.
     let held = bytes_of("pelage.transparency.fragments") + bytes_of("pelage.transparency.fill");
     let expected = pixels * (8 * 8 + 4);
-    assert!((expected..expected + 1024).contains(&held), "{held} {expected}");
+    assert!(
+        (expected..expected + 1024).contains(&held),
+        "{held} {expected}"
+    );
     let published = 656.0 * 861.0 * (8.0 * 8.0 + 4.0) / f64::from(1 << 20);
     assert!((published - 36.63).abs() < 0.005);
 }
@@ -167,8 +170,5 @@ fn settings_out_of_range_are_named() {
     let error = k_plus(65, Rest::Alpha, Atomics::Auto, Raster::Walk)
         .validate()
         .unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "k_plus_buffer: k 65 is not from 1 to 64"
-    );
+    assert_eq!(error.to_string(), "k_plus_buffer: k 65 is not from 1 to 64");
 }

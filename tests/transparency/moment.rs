@@ -40,7 +40,9 @@ fn it_shows_what_the_reference_says_by_either_rasteriser() {
         for raster in [Raster::Walk, Raster::Ribbons] {
             let shown = assert_shows(&mut device, &scene, technique(raster), &expected, TOLERANCE);
             let [colour, alpha] = errors(&shown, &exact);
-            eprintln!("moment {opacity} {raster:?} against exact: colour {colour:?}, alpha {alpha:?}");
+            eprintln!(
+                "moment {opacity} {raster:?} against exact: colour {colour:?}, alpha {alpha:?}"
+            );
             assert!(alpha.rmse < 1e-4, "{alpha:?}");
             // Of a white of about 0.5, at the opacity at which moments are worst.
             assert!(colour.rmse < 0.05, "{colour:?}");
@@ -75,5 +77,8 @@ fn its_memory_does_not_depend_on_the_hair() {
         })
         .sum();
     let expected = u64::from(SIZE[0]) * u64::from(SIZE[1]) * 56;
-    assert!((expected..expected + 2048).contains(&held), "{held} {expected}");
+    assert!(
+        (expected..expected + 2048).contains(&held),
+        "{held} {expected}"
+    );
 }
