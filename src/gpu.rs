@@ -16,6 +16,7 @@ pub(crate) enum Group {
     Frame,
     HostTiles,
     Project,
+    Order,
     Segments,
     Shade,
     Track,
@@ -29,10 +30,11 @@ pub(crate) enum Group {
     PixelsRead,
 }
 
-const GROUPS: [Group; 14] = [
+const GROUPS: [Group; 15] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
+    Group::Order,
     Group::Segments,
     Group::Shade,
     Group::Track,
@@ -55,6 +57,7 @@ impl Group {
             Self::Frame => 0,
             Self::HostTiles
             | Self::Project
+            | Self::Order
             | Self::Segments
             | Self::Shade
             | Self::Track
@@ -107,6 +110,9 @@ impl Group {
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
             Self::Project => (0..4)
                 .map(|binding| storage(binding, Stages::COMPUTE, binding != 2))
+                .collect(),
+            Self::Order => (0..3)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding == 0))
                 .collect(),
             Self::Segments => (0..2)
                 .map(|binding| storage(binding, raster | Stages::VERTEX, true))

@@ -21,6 +21,8 @@ pub const POINT_STRAND: u32 = 0x3fff_ffff;
 pub const HOST_TILE: u32 = 4;
 /// Words a pixel of the overflow buffer; `OVERFLOW_WORDS` in WGSL.
 pub const OVERFLOW_WORDS: u64 = 7;
+/// Keys by which segments are ordered; `ORDER_KEYS` in WGSL.
+pub const ORDER_KEYS: u64 = 2048;
 /// Pixels that one workgroup of the scan treats; `SCAN_BLOCK` in WGSL.
 pub const SCAN_BLOCK: u32 = 2048;
 

@@ -20,6 +20,7 @@ mod shader;
 pub mod shading;
 pub mod shadow;
 mod statistics;
+mod surface;
 #[doc(hidden)]
 pub mod testing;
 pub mod transparency;
@@ -35,5 +36,6 @@ pub use light::{Light, LightKind};
 pub use raster::Raster;
 pub use renderer::Renderer;
 pub use statistics::{Fragments, PassTime, Statistics};
+pub use surface::{Subresource, Subresources};
 pub use view::{PreviousView, View};
 pub use wgpu;

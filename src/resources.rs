@@ -7,10 +7,11 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, PointOutput, Projected};
+use crate::layout::{Counters, ORDER_KEYS, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::tables;
+use crate::surface::{Subresource, Surface};
 use crate::transparency::Fragments;
 use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 
@@ -58,12 +59,13 @@ struct Slot {
     fills: u64,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
-    depth: Option<wgpu::Texture>,
+    depth: Option<(wgpu::Texture, Subresource)>,
 }
 
 /// One run's bind groups.
 pub(crate) struct RunGroups {
     pub project: wgpu::BindGroup,
+    pub order: wgpu::BindGroup,
     pub segments: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
     /// Where an output asks for it.
@@ -101,6 +103,7 @@ pub(crate) struct Bound<'a> {
     pub pixels_read: &'a wgpu::BindGroup,
     pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
+    pub order_counts: &'a wgpu::Buffer,
     /// A copy of the counters, for the arguments in them.
     pub arguments: &'a wgpu::Buffer,
     returned: &'a Allocation,
@@ -167,6 +170,9 @@ pub(crate) struct Returned {
 /// Pools, ring and bind groups.
 pub(crate) struct Resources {
     projected: Allocation,
+    /// The order of every run's segments, and its keys' counts.
+    order: Allocation,
+    order_counts: Allocation,
     shaded: Allocation,
     point_outputs: Allocation,
     host_tiles: Allocation,
@@ -237,6 +243,8 @@ impl Resources {
             .collect::<Result<Vec<_>>>()?;
         Ok(Self {
             projected: empty("pelage.geometry.projected")?,
+            order: empty("pelage.geometry.order")?,
+            order_counts: empty("pelage.geometry.order_counts")?,
             shaded: empty("pelage.shading.points")?,
             point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
@@ -329,6 +337,20 @@ impl Resources {
             &mut self.projected,
             "pelage.geometry.projected",
             points * size_of::<Projected>() as u64,
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.order,
+            "pelage.geometry.order",
+            points * 4,
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.order_counts,
+            "pelage.geometry.order_counts",
+            plan.runs.len() as u64 * ORDER_KEYS * 4,
             generation,
         )?;
         grow(
@@ -517,7 +539,8 @@ impl Resources {
         let runs = plan
             .runs
             .iter()
-            .map(|run| {
+            .enumerate()
+            .map(|(number, run)| {
                 let geometry = &frame.hairs[run.hair].geometry;
                 let (first, base, count) = (
                     u64::from(run.run.first),
@@ -542,7 +565,21 @@ impl Resources {
                     segments: gpu.bind(
                         "pelage.segments",
                         Group::Segments,
-                        &[projected(), part(&geometry.segments, first, count, 4)],
+                        &[projected(), part(&self.order, base, count, 4)],
+                    ),
+                    order: gpu.bind(
+                        "pelage.order",
+                        Group::Order,
+                        &[
+                            projected(),
+                            part(&self.order, base, count, 4),
+                            part(
+                                &self.order_counts,
+                                number as u64 * ORDER_KEYS,
+                                ORDER_KEYS,
+                                4,
+                            ),
+                        ],
                     ),
                     shade: gpu.bind(
                         "pelage.shade",
@@ -637,12 +674,14 @@ impl Resources {
             return Ok(());
         };
         gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
-        if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
-            let bind = |depth: &wgpu::Texture| {
-                let view = depth.create_view(&wgpu::TextureViewDescriptor {
-                    aspect: wgpu::TextureAspect::DepthOnly,
-                    ..Default::default()
-                });
+        let depth = target.depth_surface();
+        let held = slot
+            .depth
+            .as_ref()
+            .map(|(texture, at)| Surface { texture, at: *at });
+        if stale || slot.frame.is_none() || held != depth {
+            let bind = |depth: Surface| {
+                let view = depth.view(wgpu::TextureAspect::DepthOnly);
                 let block = |size: usize| {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &uniforms.buffer,
@@ -661,9 +700,13 @@ impl Resources {
                     ],
                 )
             };
-            slot.frame = Some(bind(target.depth.unwrap_or(&self.no_depth)));
-            slot.frame_without_depth = Some(bind(&self.no_depth));
-            slot.depth = target.depth.cloned();
+            let none = Surface {
+                texture: &self.no_depth,
+                at: Subresource::default(),
+            };
+            slot.frame = Some(bind(depth.unwrap_or(none)));
+            slot.frame_without_depth = Some(bind(none));
+            slot.depth = depth.map(|depth| (depth.texture.clone(), depth.at));
         }
         slot.bands = plan.bands.len() as u64;
         let fragments = plan.transparency.needs(0).fragments;
@@ -692,6 +735,7 @@ impl Resources {
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             point_outputs: &groups.point_outputs,
+            order_counts: &self.order_counts.buffer,
             pixels: &self.pixels,
             attachment: self
                 .attachment

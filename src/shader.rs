@@ -22,6 +22,7 @@ files![
     "common/fullscreen",
     "common/host_tiles",
     "common/project",
+    "common/order",
     "common/scan",
     "common/track",
     "raster/walk",

@@ -150,6 +150,7 @@ pub fn combinations() -> Vec<Combination> {
         "project".into(),
         Module::new(&["common/pixels", "common/project"]),
     ));
+    modules.push(("order".into(), Module::new(&["common/order"])));
     modules.push((
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
@@ -298,6 +299,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("NO_PLACE", layout::NO_PLACE),
         ("OVERFLOW_WORDS", layout::OVERFLOW_WORDS as u32),
         ("SCAN_BLOCK", layout::SCAN_BLOCK),
+        ("ORDER_KEYS", layout::ORDER_KEYS as u32),
     ]
 }
 

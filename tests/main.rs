@@ -14,5 +14,6 @@ mod render;
 mod shaders;
 mod shading;
 mod shadow;
+mod subresources;
 mod transparency;
 mod wgpu_host;

@@ -369,7 +369,13 @@ fn initialisers() -> String {
         usage,
         samples,
         layout_in,
-        layout_out
+        layout_out,
+        array_layers,
+        mip_levels,
+        layer,
+        mip_level,
+        owner_before,
+        owner_after
     );
     initialiser!(
         PelageVulkanView,
@@ -392,7 +398,9 @@ fn initialisers() -> String {
         offset,
         stride,
         low,
-        high
+        high,
+        owner_before,
+        owner_after
     );
     initialiser!(
         PelageVulkanSemaphore,

@@ -10,8 +10,8 @@ use pelage::shading::{
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{
-    ABuffer, Atomics, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest, Selection,
-    Storage, Transparency,
+    ABuffer, Atomics, DbkBuffer, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, Rest,
+    Selection, Storage, Transparency,
 };
 use serde_json::Value;
 
@@ -51,6 +51,30 @@ pub const SCENES: &[Scene] = &[
         strands: 50_000,
         size: [656, 861],
         opacity: 0.5,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.1",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.1,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.3",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.3,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.9",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.9,
         quick: false,
     },
 ];
@@ -261,6 +285,15 @@ pub fn cases(quick: bool) -> Vec<Case> {
     for raster in [Raster::Walk, Raster::Ribbons] {
         cases.push(Case {
             transparency: Transparency::Moment(Moment { raster }),
+            ..base.clone()
+        });
+    }
+    for epsilon in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0] {
+        cases.push(Case {
+            transparency: Transparency::DbkBuffer(DbkBuffer {
+                epsilon,
+                ..DbkBuffer::default()
+            }),
             ..base.clone()
         });
     }

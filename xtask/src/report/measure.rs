@@ -6,7 +6,7 @@ use pelage::glam::Vec3;
 use pelage::host::offscreen::{Image, Offscreen, OffscreenOptions};
 use pelage::shadow::Shadow;
 use pelage::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
-use pelage::transparency::{Storage, Transparency};
+use pelage::transparency::{DbkBuffer, Storage, Transparency};
 use pelage::{Frame, Hair, Light, LightKind, Target, wgpu};
 use pelage_reference::composite;
 use pelage_reference::error::colour_error;
@@ -74,6 +74,14 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
             stored: fragments.stored,
             merged: fragments.merged,
         }),
+        fewest: match case.transparency {
+            Transparency::DbkBuffer(DbkBuffer {
+                epsilon,
+                depth_shift: None,
+                ..
+            }) => Some(truth.fewest(f64::from(epsilon))),
+            _ => None,
+        },
         adapter: info.name.clone(),
         driver: format!("{} {}", info.driver, info.driver_info)
             .trim()

@@ -226,6 +226,12 @@ impl Truth {
         self.exact.get().ok_or_else(|| "no picture".into())
     }
 
+    /// The fewest fragments that must be stored for what lies behind them to receive less than `tolerance` of the light.
+    pub fn fewest(&self, tolerance: f64) -> u64 {
+        let needed = composite::fragments_needed(&self.lists, self.opacity, tolerance);
+        needed.iter().map(|count| *count as u64).sum()
+    }
+
     /// Transmittances of nearest fragments, evenly picked over the covered pixels. They are means over a disc of half
     /// a pixel's size around each strand point, interpolated as colours are. As for the model, see [`Truth::exact`].
     pub fn probes(&self, shading: &Shading) -> Result<&[Probe]> {
