@@ -157,12 +157,6 @@ impl Joined {
 
 /// The text of a file; an unknown stem is our own fault.
 fn file(stem: &str) -> &'static str {
-    if let Ok(dir) = std::env::var("PELAGE_DEV_SHADERS") {
-        return Box::leak(
-            std::fs::read_to_string(format!("{dir}/{stem}.wgsl"))
-                .unwrap()
-                .into_boxed_str(),
-        );
     let found = FILES.iter().find(|(name, _)| *name == stem);
     assert!(found.is_some(), "no shader file has the stem {stem}");
     found.map_or("", |(_, text)| text)
