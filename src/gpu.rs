@@ -363,6 +363,12 @@ impl Gpu {
             .min(self.limits.max_buffer_size)
     }
 
+    /// Whether shaders may use all atomic operations on 64-bit integers.
+    pub fn wide_atomics(&self) -> bool {
+        let wide = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS;
+        self.device.features().contains(wide)
+    }
+
     /// Makes a buffer of `size` bytes, rounded up to 256, and puts it on the ledger.
     pub fn allocate(
         &self,

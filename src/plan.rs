@@ -214,6 +214,7 @@ impl Plan {
             .try_for_each(|(number, hair)| hair.validate(number))?;
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
+        transparency.fits(gpu)?;
         let shader = one_shader(frame)?;
         if shader.rate == ShadingRate::Fragment && !transparency.shades_fragments() {
             return Err(Error::Conflict(format!(
@@ -243,6 +244,7 @@ impl Plan {
             eye
         };
         let seen = view_size(&clip_from_relative, &placed, frame, width, height);
+        let keys = key_range(&clip_from_relative, &placed, frame.view.reverse_z);
 
         let mut flags = 0;
         if frame.view.reverse_z {
@@ -319,12 +321,12 @@ impl Plan {
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
                 origin: [left, top],
+                key_first: keys[0],
+                key_packing: key_packing(keys, point_count),
                 cut_depth: transparency.cut_depth(),
                 depth_shift: transparency.depth_shift(),
                 fibre_runs: (point_count * FIBRE_POINT_VECTORS) as u32,
                 seed: transparency.seed(),
-                padding_0: 0,
-                padding_1: 0,
                 place_of_depth: place_of_depth(&clip_from_relative, &placed, frame.view.reverse_z),
                 technique: transparency.values(),
                 lights: bytemuck::Zeroable::zeroed(),
@@ -983,6 +985,49 @@ fn place_of_depth(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool
     } else {
         [0.0, 0.0, 0.0, 1.0]
     }
+}
+
+/// Bounds of the depth keys (see `depth_key` in WGSL) of all hair in a view.
+fn key_range(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> [u32; 2] {
+    /// Keys by which single precision may miss a corner.
+    const MARGIN: u32 = 64;
+    let farthest = 1.0f32.to_bits();
+    let key = |p: &DVec3| {
+        let clip = |row| clip_from_relative.row(row).dot(p.extend(1.0));
+        let depth = (clip(2) / clip(3)).clamp(0.0, 1.0) as f32;
+        // A corner behind the eye: anything may be before it.
+        (clip(3) > 0.0).then(|| match reverse_z {
+            true => farthest - depth.to_bits(),
+            false => depth.to_bits(),
+        })
+    };
+    let keys: Option<Vec<u32>> = placed
+        .iter()
+        .flat_map(|hair| &hair.corners)
+        .map(key)
+        .collect();
+    let Some((first, last)) =
+        keys.and_then(|keys| keys.iter().copied().min().zip(keys.into_iter().max()))
+    else {
+        return [0, farthest];
+    };
+    [
+        first.saturating_sub(MARGIN),
+        last.saturating_add(MARGIN).min(farthest),
+    ]
+}
+
+/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value.
+fn key_packing([first, last]: [u32; 2], point_count: u64) -> u32 {
+    /// Opacity and place along the segment, `K_PLUS_VALUE_BITS` in WGSL; and the least bits of a point.
+    const VALUE_BITS: u32 = 19;
+    const LEAST_POINT_BITS: u32 = 13;
+    let bits = |value: u64| u64::BITS - value.leading_zeros();
+    let point_bits = bits(point_count).max(LEAST_POINT_BITS);
+    let key_bits = 64 - VALUE_BITS - point_bits;
+    // The greatest key is left out: all ones is an empty word.
+    let shift = bits(u64::from(last - first) + 2).saturating_sub(key_bits);
+    shift | point_bits << 8
 }
 
 /// Steps a unit of radiance of the tail's fixed-point colours: 2¹⁶ for the brightest that the lights should make.

@@ -51,9 +51,9 @@ struct Slot {
     counters: Allocation,
     state: Arc<AtomicU8>,
     bands: u64,
+    /// Whether fragments lie in a pool, and whether as linked nodes.
+    pool: bool,
     lists: bool,
-    /// What was merged found no room in a pool.
-    pooled: bool,
     capacity: u64,
     /// The tables that the frame fills; 0: none.
     fills: u64,
@@ -201,11 +201,11 @@ pub(crate) struct Returned {
     pub culled: u64,
     pub stored: u64,
     pub merged: u64,
+    /// Of these, for want of room in the pool.
+    pub overflowed: u64,
     pub covered: u64,
     /// The most that one band asked of the pool.
     pub needed: u64,
-    /// Whether what was merged found no room in a pool, and was not merged by the technique's choice.
-    pub pooled: bool,
 }
 
 /// Pools, ring and bind groups.
@@ -278,8 +278,8 @@ impl Resources {
                     )?,
                     state: Arc::default(),
                     bands: 0,
+                    pool: false,
                     lists: false,
-                    pooled: false,
                     capacity: 0,
                     fills: 0,
                     sorts: 0,
@@ -476,7 +476,10 @@ impl Resources {
                 "pelage.transparency.fragments",
                 bytes,
             ),
-            Fragments::Pool { linked, bytes } => self.grow_fragments(gpu, plan, linked, bytes),
+            Fragments::Pool { linked, bytes } => {
+                let expected = plan.transparency.expected(plan.expected_fragments, pixels);
+                self.grow_fragments(gpu, plan, expected, linked, bytes)
+            }
         }
     }
 
@@ -485,6 +488,7 @@ impl Resources {
         &mut self,
         gpu: &Gpu,
         plan: &Plan,
+        expected: u64,
         lists: bool,
         pool_bytes: Option<u64>,
     ) -> Result<()> {
@@ -500,7 +504,7 @@ impl Resources {
         let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
-                let expected = plan.expected_fragments.max(self.needed) as f64 * POOL_MARGIN;
+                let expected = expected.max(self.needed) as f64 * POOL_MARGIN;
                 (expected as u64).clamp(SMALLEST_POOL.min(most), most)
             }
         };
@@ -873,8 +877,9 @@ impl Resources {
             slot.depth = depth.map(|depth| (depth.texture.clone(), depth.at));
         }
         slot.bands = plan.bands.len() as u64;
-        slot.lists = plan.transparency.needs(0).fragments.linked();
-        slot.pooled = plan.transparency.needs(0).fragments.pooled();
+        let fragments = plan.transparency.needs(0).fragments;
+        slot.pool = fragments.pooled();
+        slot.lists = fragments.linked();
         slot.capacity = self.capacity;
         slot.fills = self.tables.to_fill();
         slot.sorts = if plan.sort { self.found.number } else { 0 };
@@ -984,10 +989,7 @@ impl Drop for Arrival {
 
 /// The sums of a slot's bands.
 fn read_slot(slot: &Slot) -> Returned {
-    let mut sum = Returned {
-        pooled: slot.pooled,
-        ..Default::default()
-    };
+    let mut sum = Returned::default();
     let Ok(bytes) = slot.counters.buffer.get_mapped_range(..) else {
         return sum;
     };
@@ -1002,16 +1004,23 @@ fn read_slot(slot: &Slot) -> Returned {
             counters.merged,
         ]
         .map(u64::from);
-        let mut needed = produced;
+        let (mut needed, mut found, mut overflowed) = (produced, produced, merged);
         if slot.lists {
+            // `stored` counts the nodes that were asked for; of what a technique counts itself some asked for none.
             needed = stored;
-            merged = stored.saturating_sub(slot.capacity);
-            stored -= merged;
+            overflowed = stored.saturating_sub(slot.capacity);
+            if produced == 0 {
+                (found, merged) = (stored, overflowed);
+            }
+            stored = found - merged;
+        } else if !slot.pool {
+            overflowed = 0;
         }
-        sum.produced += if slot.lists { needed } else { produced } + culled;
+        sum.produced += found + culled;
         sum.culled += culled;
         sum.stored += stored;
         sum.merged += merged;
+        sum.overflowed += overflowed;
         sum.covered += u64::from(counters.covered);
         sum.needed = sum.needed.max(needed);
     }

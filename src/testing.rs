@@ -12,9 +12,10 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, DbkBuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage, Transparency,
-    WeightedBlended, a_buffer, dbk_buffer, depth_peeling, nearest, opaque, random_subsets,
-    resolve_module, sorted_blending, weighted_blended,
+    ABuffer, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque,
+    RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, WeightedBlended,
+    a_buffer, dbk_buffer, depth_peeling, moment, nearest, opaque, random_subsets, resolve_module,
+    sorted_blending, weighted_blended,
 };
 
 /// A module that the crate can build.
@@ -79,6 +80,20 @@ pub fn transmission_bound(shading: &Shading, angle: f64) -> Option<f32> {
 /// Every module that the crate can build.
 pub fn combinations() -> Vec<Combination> {
     let mut modules: Vec<(String, Module)> = Vec::new();
+    const RESTS: [Rest; 3] = [Rest::Merged, Rest::Alpha, Rest::Dropped];
+    let plus = RESTS.map(|rest| KPlusBuffer {
+        rest,
+        ..Default::default()
+    });
+    let single_pass = RESTS.map(|rest| KBufferSinglePass {
+        rest,
+        ..Default::default()
+    });
+    let kept: Vec<_> = plus
+        .iter()
+        .flat_map(KPlusBuffer::emissions)
+        .chain(single_pass.iter().map(KBufferSinglePass::emission))
+        .collect();
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
@@ -86,13 +101,18 @@ pub fn combinations() -> Vec<Combination> {
         .chain(&weighted_blended::EMISSIONS)
         .chain(&depth_peeling::EMISSIONS)
         .chain(&random_subsets::EMISSIONS)
+        .chain(&kept)
+        .chain(&moment::EMISSIONS)
         .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             for rate in [ShadingRate::Point, ShadingRate::Fragment] {
                 modules.push((
-                    format!("{} {rasteriser}, shaded by {rate:?}", emission.label),
+                    format!(
+                        "{} {} {rasteriser}, shaded by {rate:?}",
+                        emission.label, emission.stage
+                    ),
                     emission.module(rasteriser, 3, rate),
                 ));
             }
@@ -107,38 +127,70 @@ pub fn combinations() -> Vec<Combination> {
         depth_shift: Some(1.0),
         ..Default::default()
     });
-    let techniques = [
-        ("opaque", Transparency::Opaque(Opaque::default())),
-        ("counted", counted),
-        ("lists", lists),
+    let mut techniques = vec![
         (
-            "weighted_blended",
+            "opaque".to_string(),
+            Transparency::Opaque(Opaque::default()),
+        ),
+        ("moment".into(), Transparency::Moment(Moment::default())),
+        (
+            "weighted_blended".into(),
             Transparency::WeightedBlended(WeightedBlended::default()),
         ),
         (
-            "depth_peeling",
+            "depth_peeling".into(),
             Transparency::DepthPeeling(DepthPeeling::default()),
         ),
         (
-            "random_subsets",
+            "random_subsets".into(),
             Transparency::RandomSubsets(RandomSubsets::default()),
         ),
         (
-            "sorted_blending",
+            "sorted_blending".into(),
             Transparency::SortedBlending(SortedBlending::default()),
         ),
-        ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
-        ("dbk_buffer by a shift", by_shift),
+        ("counted".into(), counted),
+        ("lists".into(), lists),
+        (
+            "dbk_buffer".into(),
+            Transparency::DbkBuffer(DbkBuffer::default()),
+        ),
+        ("dbk_buffer by a shift".into(), by_shift),
     ];
-    for (name, technique) in techniques {
+    for settings in plus {
+        let name = format!("k_plus_buffer {:?}", settings.rest);
+        techniques.push((name, Transparency::KPlusBuffer(settings)));
+    }
+    for settings in single_pass {
+        let name = format!("k_buffer_single_pass {:?}", settings.rest);
+        techniques.push((name, Transparency::KBufferSinglePass(settings)));
+    }
+    for rest in RESTS {
+        for (selection, storage) in [
+            (Selection::Registers, Storage::Counted),
+            (Selection::Rounds, Storage::Lists),
+            (Selection::Sort, Storage::Counted),
+        ] {
+            techniques.push((
+                format!("k_buffer {rest:?} {selection:?}"),
+                Transparency::KBuffer(KBuffer {
+                    rest,
+                    selection,
+                    storage,
+                    ..Default::default()
+                }),
+            ));
+        }
+    }
+    for (name, technique) in &techniques {
         modules.push((
             format!("composite {name}"),
-            resolve_module(&technique, 3, None).and(&["common/fullscreen", "composite"]),
+            resolve_module(technique, 3, None).and(&["common/fullscreen", "composite"]),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
-                resolve_module(&technique, 3, None)
+                resolve_module(technique, 3, None)
                     .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
@@ -281,7 +333,7 @@ pub fn layouts() -> Vec<Layout> {
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
-            part_capacity, origin, cut_depth, depth_shift, fibre_runs, seed, padding_0, padding_1, place_of_depth, technique,
+            part_capacity, origin, cut_depth, depth_shift, fibre_runs, seed, key_first, key_packing, place_of_depth, technique,
             lights, shadow_views,
         }
         Material { values }

@@ -5,7 +5,8 @@ use pelage::groom::{BuiltinGroom, builtin};
 use pelage::host::offscreen::{Offscreen, WantedOutputs};
 use pelage::raster::Raster;
 use pelage::transparency::{
-    DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage, Transparency, WeightedBlended,
+    DepthPeeling, KPlusBuffer, Opaque, RandomSubsets, Rest, SortedBlending, Storage, Transparency,
+    WeightedBlended,
 };
 use pelage::wgpu::{self, Features, Limits};
 use pelage::{Error, Frame, Light, Target};
@@ -94,6 +95,11 @@ fn a_device_without_anything_optional_draws_the_same() {
     for transparency in [
         a_buffer(Storage::Counted, Raster::Walk),
         a_buffer(Storage::Lists, Raster::Ribbons),
+        // By 64-bit atomics on the one, by 32-bit ones on the other.
+        Transparency::KPlusBuffer(KPlusBuffer {
+            rest: Rest::Merged,
+            ..KPlusBuffer::default()
+        }),
         Transparency::Opaque(Opaque {
             raster: Raster::Ribbons,
         }),

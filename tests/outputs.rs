@@ -6,7 +6,8 @@ use pelage::groom::{BuiltinGroom, Curve, builtin};
 use pelage::host::offscreen::{Image, WantedOutputs};
 use pelage::raster::Raster;
 use pelage::transparency::{
-    DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage, Transparency, WeightedBlended,
+    DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, RandomSubsets,
+    SortedBlending, Storage, Transparency, WeightedBlended,
 };
 use pelage::{Error, Frame, Hair, Instance, NO_STRAND, Outputs, PreviousView, Target, View, wgpu};
 use pelage_reference::fragments::FragmentLists;
@@ -38,6 +39,16 @@ fn techniques() -> [(&'static str, Transparency); 7] {
     [
         ("counted", a_buffer(Storage::Counted, Raster::Walk)),
         ("lists", a_buffer(Storage::Lists, Raster::Ribbons)),
+        ("k_buffer", Transparency::KBuffer(KBuffer::default())),
+        (
+            "k_plus_buffer",
+            Transparency::KPlusBuffer(KPlusBuffer::default()),
+        ),
+        (
+            "k_buffer_single_pass",
+            Transparency::KBufferSinglePass(KBufferSinglePass::default()),
+        ),
+        ("moment", Transparency::Moment(Moment::default())),
         (
             "opaque",
             Transparency::Opaque(Opaque {

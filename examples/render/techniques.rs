@@ -11,8 +11,9 @@ use pelage::shading::{
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{
-    ABuffer, BlendOrder, DbkBuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
-    Transparency, Weight, WeightedBlended,
+    ABuffer, Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
+    Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, Weight,
+    WeightedBlended,
 };
 use pelage::{Raster, glam};
 use serde::de::DeserializeOwned;
@@ -69,7 +70,11 @@ pub const TRANSPARENCY: Group = Group {
         "weighted_blended",
         "depth_peeling",
         "a_buffer",
+        "k_buffer",
+        "k_plus_buffer",
+        "k_buffer_single_pass",
         "dbk_buffer",
+        "moment",
     ],
     default: "dbk_buffer",
     common: &[],
@@ -110,6 +115,67 @@ impl RasterKey {
 enum StorageKey {
     Counted,
     Lists,
+}
+
+impl StorageKey {
+    fn of(storage: Storage) -> Self {
+        match storage {
+            Storage::Counted => Self::Counted,
+            Storage::Lists => Self::Lists,
+        }
+    }
+
+    fn storage(self) -> Storage {
+        match self {
+            Self::Counted => Storage::Counted,
+            Self::Lists => Storage::Lists,
+        }
+    }
+}
+
+/// The k-buffers' `rest`, as the scene file spells it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum RestKey {
+    Merged,
+    Alpha,
+    Dropped,
+}
+
+impl RestKey {
+    fn of(rest: Rest) -> Self {
+        match rest {
+            Rest::Merged => Self::Merged,
+            Rest::Alpha => Self::Alpha,
+            Rest::Dropped => Self::Dropped,
+        }
+    }
+
+    fn rest(self) -> Rest {
+        match self {
+            Self::Merged => Rest::Merged,
+            Self::Alpha => Rest::Alpha,
+            Self::Dropped => Rest::Dropped,
+        }
+    }
+}
+
+/// The k-buffer's `selection`, as the scene file spells it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum SelectionKey {
+    Registers,
+    Rounds,
+    Sort,
+}
+
+/// The k⁺-buffer's `atomics`, as the scene file spells it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum AtomicsKey {
+    Auto,
+    Bits64,
+    Bits32,
 }
 
 /// Settings of a technique that has none.
@@ -362,12 +428,114 @@ impl Default for ABufferKeys {
 
 impl ABufferKeys {
     fn of(settings: &ABuffer) -> Self {
-        let storage = match settings.storage {
-            Storage::Counted => StorageKey::Counted,
-            Storage::Lists => StorageKey::Lists,
-        };
         Self {
-            storage,
+            storage: StorageKey::of(settings.storage),
+            raster: RasterKey::of(settings.raster),
+            pool_bytes: settings.pool_bytes,
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct KBufferKeys {
+    k: u32,
+    rest: RestKey,
+    selection: SelectionKey,
+    storage: StorageKey,
+    raster: RasterKey,
+    pool_bytes: Option<u64>,
+}
+
+impl Default for KBufferKeys {
+    fn default() -> Self {
+        Self::of(&KBuffer::default())
+    }
+}
+
+impl KBufferKeys {
+    fn of(settings: &KBuffer) -> Self {
+        Self {
+            k: settings.k,
+            rest: RestKey::of(settings.rest),
+            selection: match settings.selection {
+                Selection::Registers => SelectionKey::Registers,
+                Selection::Rounds => SelectionKey::Rounds,
+                Selection::Sort => SelectionKey::Sort,
+            },
+            storage: StorageKey::of(settings.storage),
+            raster: RasterKey::of(settings.raster),
+            pool_bytes: settings.pool_bytes,
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct MomentKeys {
+    raster: RasterKey,
+}
+
+impl Default for MomentKeys {
+    fn default() -> Self {
+        Self {
+            raster: RasterKey::of(Moment::default().raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct KPlusBufferKeys {
+    k: u32,
+    rest: RestKey,
+    atomics: AtomicsKey,
+    raster: RasterKey,
+}
+
+impl Default for KPlusBufferKeys {
+    fn default() -> Self {
+        Self::of(&KPlusBuffer::default())
+    }
+}
+
+impl KPlusBufferKeys {
+    fn of(settings: &KPlusBuffer) -> Self {
+        Self {
+            k: settings.k,
+            rest: RestKey::of(settings.rest),
+            atomics: match settings.atomics {
+                Atomics::Auto => AtomicsKey::Auto,
+                Atomics::Bits64 => AtomicsKey::Bits64,
+                Atomics::Bits32 => AtomicsKey::Bits32,
+            },
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct KBufferSinglePassKeys {
+    k: u32,
+    rest: RestKey,
+    retries: u32,
+    raster: RasterKey,
+    pool_bytes: Option<u64>,
+}
+
+impl Default for KBufferSinglePassKeys {
+    fn default() -> Self {
+        Self::of(&KBufferSinglePass::default())
+    }
+}
+
+impl KBufferSinglePassKeys {
+    fn of(settings: &KBufferSinglePass) -> Self {
+        Self {
+            k: settings.k,
+            rest: RestKey::of(settings.rest),
+            retries: settings.retries,
             raster: RasterKey::of(settings.raster),
             pool_bytes: settings.pool_bytes,
         }
@@ -614,6 +782,10 @@ impl Group {
             "depth_peeling" => json!(DepthPeelingKeys::default()),
             "random_subsets" => json!(RandomSubsetsKeys::default()),
             "sorted_blending" => json!(SortedBlendingKeys::default()),
+            "k_buffer" => json!(KBufferKeys::default()),
+            "k_plus_buffer" => json!(KPlusBufferKeys::default()),
+            "k_buffer_single_pass" => json!(KBufferSinglePassKeys::default()),
+            "moment" => json!(MomentKeys::default()),
             "dbk_buffer" => json!(DbkBufferKeys::default()),
             _ => json!(NoKeys::default()),
         };
@@ -768,12 +940,23 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
         }
         "a_buffer" => {
             let keys: ABufferKeys = TRANSPARENCY.settings(stem, map)?;
-            let storage = match keys.storage {
-                StorageKey::Counted => Storage::Counted,
-                StorageKey::Lists => Storage::Lists,
-            };
             Ok(Transparency::ABuffer(ABuffer {
-                storage,
+                storage: keys.storage.storage(),
+                raster: keys.raster.raster(),
+                pool_bytes: keys.pool_bytes,
+            }))
+        }
+        "k_buffer" => {
+            let keys: KBufferKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::KBuffer(KBuffer {
+                k: keys.k,
+                rest: keys.rest.rest(),
+                selection: match keys.selection {
+                    SelectionKey::Registers => Selection::Registers,
+                    SelectionKey::Rounds => Selection::Rounds,
+                    SelectionKey::Sort => Selection::Sort,
+                },
+                storage: keys.storage.storage(),
                 raster: keys.raster.raster(),
                 pool_bytes: keys.pool_bytes,
             }))
@@ -809,6 +992,35 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
                 depth_shift: keys.depth_shift,
                 raster: keys.raster.raster(),
                 pool_bytes: keys.pool_bytes,
+            }))
+        }
+        "k_plus_buffer" => {
+            let keys: KPlusBufferKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::KPlusBuffer(KPlusBuffer {
+                k: keys.k,
+                rest: keys.rest.rest(),
+                atomics: match keys.atomics {
+                    AtomicsKey::Auto => Atomics::Auto,
+                    AtomicsKey::Bits64 => Atomics::Bits64,
+                    AtomicsKey::Bits32 => Atomics::Bits32,
+                },
+                raster: keys.raster.raster(),
+            }))
+        }
+        "k_buffer_single_pass" => {
+            let keys: KBufferSinglePassKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::KBufferSinglePass(KBufferSinglePass {
+                k: keys.k,
+                rest: keys.rest.rest(),
+                retries: keys.retries,
+                raster: keys.raster.raster(),
+                pool_bytes: keys.pool_bytes,
+            }))
+        }
+        "moment" => {
+            let keys: MomentKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::Moment(Moment {
+                raster: keys.raster.raster(),
             }))
         }
         _ => unreachable!("{stem} is listed and not handled"),
@@ -918,6 +1130,12 @@ pub fn transparency_settings(transparency: &Transparency) -> Value {
         Transparency::DepthPeeling(settings) => json!(DepthPeelingKeys::of(settings)),
         Transparency::RandomSubsets(settings) => json!(RandomSubsetsKeys::of(settings)),
         Transparency::SortedBlending(settings) => json!(SortedBlendingKeys::of(settings)),
+        Transparency::KBuffer(settings) => json!(KBufferKeys::of(settings)),
+        Transparency::KPlusBuffer(settings) => json!(KPlusBufferKeys::of(settings)),
+        Transparency::KBufferSinglePass(settings) => json!(KBufferSinglePassKeys::of(settings)),
+        Transparency::Moment(settings) => json!(MomentKeys {
+            raster: RasterKey::of(settings.raster)
+        }),
         Transparency::DbkBuffer(settings) => json!(DbkBufferKeys::of(settings)),
         _ => json!({}),
     };

@@ -115,8 +115,10 @@ struct Frame {
     fibre_runs: u32,
     // What strands' hashes are made with.
     seed: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // How a depth key and a point share a word: the nearest key of the frame's hair, and bits by which keys are shifted, with
+    // the bits of a point above them.
+    key_first: u32,
+    key_packing: u32,
     // A depth's place in the extent of all hair along the view's axis, from 0 to 1: (x depth + y) / (z depth + w).
     place_of_depth: vec4f,
     // Settings of the transparency technique, in the order in which its files read them.

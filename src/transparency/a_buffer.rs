@@ -349,6 +349,7 @@ pub(crate) fn resolve_module(common: Module, storage: Storage, shader: Option<&S
             tail(shader),
             "transparency/tail",
             "transparency/a_buffer_whole",
+            "transparency/a_buffer_read",
             "transparency/a_buffer",
         ])
         .with("LISTS", Constant::Bool(storage == Storage::Lists))

@@ -418,6 +418,6 @@ pub(crate) fn resolve_module(
     common
         .and(&["transparency/overflow", tail(shader), "transparency/tail"])
         .and(beyond)
-        .and(&["transparency/a_buffer"])
+        .and(&["transparency/a_buffer_read", "transparency/a_buffer"])
         .with("LISTS", Constant::Bool(false))
 }

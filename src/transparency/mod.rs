@@ -4,6 +4,10 @@ pub mod a_buffer;
 pub mod dbk_buffer;
 pub mod depth_peeling;
 pub(crate) mod nearest;
+pub mod k_buffer;
+pub mod k_buffer_single_pass;
+pub mod k_plus_buffer;
+pub mod moment;
 pub mod opaque;
 pub mod random_subsets;
 pub mod sorted_blending;
@@ -12,6 +16,10 @@ pub mod weighted_blended;
 pub use a_buffer::{ABuffer, Storage};
 pub use dbk_buffer::DbkBuffer;
 pub use depth_peeling::DepthPeeling;
+pub use k_buffer::{KBuffer, Rest, Selection};
+pub use k_buffer_single_pass::KBufferSinglePass;
+pub use k_plus_buffer::{Atomics, KPlusBuffer};
+pub use moment::Moment;
 pub use opaque::Opaque;
 pub use random_subsets::RandomSubsets;
 pub use sorted_blending::{BlendOrder, SortedBlending};
@@ -41,6 +49,14 @@ pub enum Transparency {
     RandomSubsets(RandomSubsets),
     /// Segments sorted into bins of depth, and blended in that order.
     SortedBlending(SortedBlending),
+    /// Every fragment stored, the K nearest of each pixel sorted and composited.
+    KBuffer(KBuffer),
+    /// The K nearest fragments of each pixel stored and composited.
+    KPlusBuffer(KPlusBuffer),
+    /// Fragments linked in order as they come, unless K nearer ones are there.
+    KBufferSinglePass(KBufferSinglePass),
+    /// No fragment stored: colours weighted by a transmittance that moments of optical depth give.
+    Moment(Moment),
     /// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
     DbkBuffer(DbkBuffer),
 }
@@ -61,6 +77,10 @@ impl Transparency {
             Self::DepthPeeling(_) => "depth_peeling",
             Self::RandomSubsets(_) => "random_subsets",
             Self::SortedBlending(_) => "sorted_blending",
+            Self::KBuffer(_) => "k_buffer",
+            Self::KPlusBuffer(_) => "k_plus_buffer",
+            Self::KBufferSinglePass(_) => "k_buffer_single_pass",
+            Self::Moment(_) => "moment",
             Self::DbkBuffer(_) => "dbk_buffer",
         }
     }
@@ -71,13 +91,24 @@ impl Transparency {
     /// A setting out of its range, named.
     pub fn validate(&self) -> Result<()> {
         match self {
-            Self::Opaque(_) => Ok(()),
+            Self::Opaque(_) | Self::Moment(_) => Ok(()),
             Self::ABuffer(settings) => settings.validate(),
             Self::WeightedBlended(settings) => settings.validate(),
             Self::DepthPeeling(settings) => settings.validate(),
             Self::RandomSubsets(settings) => settings.validate(),
             Self::SortedBlending(settings) => settings.validate(),
+            Self::KBuffer(settings) => settings.validate(),
+            Self::KPlusBuffer(settings) => settings.validate(),
+            Self::KBufferSinglePass(settings) => settings.validate(),
             Self::DbkBuffer(settings) => settings.validate(),
+        }
+    }
+
+    /// Checks that a device can do what the settings ask for.
+    pub(crate) fn fits(&self, gpu: &Gpu) -> Result<()> {
+        match self {
+            Self::KPlusBuffer(settings) => settings.fits(gpu),
+            _ => Ok(()),
         }
     }
 
@@ -91,6 +122,10 @@ impl Transparency {
             Self::RandomSubsets(settings) => settings.raster,
             // For what is sought beside the picture.
             Self::SortedBlending(_) => Raster::Auto,
+            Self::KBuffer(settings) => settings.raster,
+            Self::KPlusBuffer(settings) => settings.raster,
+            Self::KBufferSinglePass(settings) => settings.raster,
+            Self::Moment(settings) => settings.raster,
             Self::DbkBuffer(settings) => settings.raster,
         }
     }
@@ -141,7 +176,19 @@ impl Transparency {
             Self::DepthPeeling(_) => depth_peeling::needs(pixels),
             Self::RandomSubsets(settings) => settings.needs(pixels),
             Self::SortedBlending(_) => sorted_blending::NEEDS,
+            Self::KBuffer(settings) => settings.stored().needs(pixels),
+            Self::KPlusBuffer(settings) => settings.needs(pixels),
+            Self::KBufferSinglePass(settings) => settings.needs(pixels),
+            Self::Moment(_) => moment::needs(pixels),
             Self::DbkBuffer(settings) => settings.needs(pixels),
+        }
+    }
+
+    /// Fragments that a pool should hold of those that a frame is expected to produce in `pixels` pixels.
+    pub(crate) fn expected(&self, fragments: u64, pixels: u64) -> u64 {
+        match self {
+            Self::KBufferSinglePass(settings) => settings.expected(fragments, pixels),
+            _ => fragments,
         }
     }
 
@@ -163,10 +210,16 @@ impl Transparency {
 
     /// Whether the technique asks for colours in its resolve alone, where fragments can be shaded at their own places.
     pub(crate) fn shades_fragments(&self) -> bool {
-        matches!(
-            self,
-            Self::Opaque(_) | Self::ABuffer(_) | Self::DbkBuffer(_)
-        )
+        match self {
+            Self::Opaque(_) | Self::ABuffer(_) | Self::KBuffer(_) | Self::DbkBuffer(_) => true,
+            Self::KPlusBuffer(settings) => settings.rest != Rest::Merged,
+            Self::KBufferSinglePass(_)
+            | Self::Moment(_)
+            | Self::WeightedBlended(_)
+            | Self::DepthPeeling(_)
+            | Self::RandomSubsets(_)
+            | Self::SortedBlending(_) => false,
+        }
     }
 
     /// Whether each pixel's nearest fragment must be sought beside the technique, where a frame asks for it.
@@ -243,8 +296,18 @@ pub(crate) fn count(
 ) -> Result<()> {
     let draw = draw(band, plan);
     match &plan.transparency {
-        Transparency::Opaque(_) => Ok(()),
+        Transparency::Opaque(_)
+        | Transparency::KPlusBuffer(_)
+        | Transparency::KBufferSinglePass(_)
+        | Transparency::Moment(_)
+        | Transparency::WeightedBlended(_)
+        | Transparency::DepthPeeling(_)
+        | Transparency::RandomSubsets(_)
+        | Transparency::SortedBlending(_) => Ok(()),
         Transparency::ABuffer(settings) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::KBuffer(settings) => {
             a_buffer::count(gpu, passes, bound, band, &draw, plan, settings.storage)
         }
         Transparency::DbkBuffer(settings) if plan.cuts => {
@@ -253,10 +316,6 @@ pub(crate) fn count(
         Transparency::DbkBuffer(_) => {
             a_buffer::count(gpu, passes, bound, band, &draw, plan, Storage::Counted)
         }
-        Transparency::WeightedBlended(_)
-        | Transparency::DepthPeeling(_)
-        | Transparency::RandomSubsets(_)
-        | Transparency::SortedBlending(_) => Ok(()),
     }
 }
 
@@ -286,6 +345,16 @@ pub(crate) fn record(
         Transparency::SortedBlending(settings) => {
             sorted_blending::record(gpu, passes, bound, band, &draw, plan, settings)
         }
+        Transparency::KBuffer(settings) => {
+            a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::KPlusBuffer(settings) => {
+            k_plus_buffer::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::KBufferSinglePass(settings) => {
+            k_buffer_single_pass::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::Moment(_) => moment::record(gpu, passes, bound, band, &draw, plan),
         Transparency::DbkBuffer(settings) if plan.cuts => {
             dbk_buffer::record(gpu, passes, bound, band, &draw, plan, settings)
         }
@@ -322,6 +391,12 @@ pub(crate) fn resolve_module(
         Transparency::ABuffer(settings) => {
             a_buffer::resolve_module(common, settings.storage, shader)
         }
+        Transparency::KBuffer(settings) => k_buffer::resolve_module(common, settings, shader),
+        Transparency::KPlusBuffer(settings) => k_plus_buffer::resolve_module(common, settings),
+        Transparency::KBufferSinglePass(settings) => {
+            k_buffer_single_pass::resolve_module(common, settings)
+        }
+        Transparency::Moment(_) => moment::resolve_module(pixels),
         Transparency::WeightedBlended(_) => weighted_blended::resolve_module(pixels),
         Transparency::DepthPeeling(_) => depth_peeling::resolve_module(common),
         Transparency::RandomSubsets(settings) => random_subsets::resolve_module(common, settings),
@@ -330,16 +405,20 @@ pub(crate) fn resolve_module(
     }
 }
 
-/// What tells one technique's composite pipeline from another's: its place in the enum, and eight bits of settings.
+/// What tells one technique's composite pipeline from another's: a number, and twelve bits of settings.
 pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
     let (technique, settings) = match transparency {
         Transparency::Opaque(_) => (0, 0),
         Transparency::ABuffer(settings) => (1, u32::from(settings.storage == Storage::Lists)),
         Transparency::DbkBuffer(settings) => (2, u32::from(settings.depth_shift.is_some())),
-        Transparency::WeightedBlended(_) => (12, 0),
-        Transparency::DepthPeeling(_) => (13, 0),
-        Transparency::RandomSubsets(settings) => (14, settings.subsets),
-        Transparency::SortedBlending(_) => (15, 0),
+        Transparency::KBuffer(settings) => (3, settings.variant()),
+        Transparency::KPlusBuffer(settings) => (4, settings.variant()),
+        Transparency::KBufferSinglePass(settings) => (5, settings.variant()),
+        Transparency::Moment(_) => (6, 0),
+        Transparency::WeightedBlended(_) => (7, 0),
+        Transparency::DepthPeeling(_) => (8, 0),
+        Transparency::RandomSubsets(settings) => (9, settings.subsets),
+        Transparency::SortedBlending(_) => (10, 0),
     };
-    technique << 8 | settings
+    technique << 12 | settings
 }

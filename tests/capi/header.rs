@@ -270,6 +270,34 @@ fn initialisers() -> String {
         reuse,
         full_precision
     );
+        PelageKBuffer,
+        "PELAGE_K_BUFFER_INIT",
+        k,
+        rest,
+        selection,
+        storage,
+        raster,
+        pool_bytes
+    );
+    initialiser!(
+        PelageKPlusBuffer,
+        "PELAGE_K_PLUS_BUFFER_INIT",
+        k,
+        rest,
+        atomics,
+        raster
+    );
+    initialiser!(
+        PelageKBufferSinglePass,
+        "PELAGE_K_BUFFER_SINGLE_PASS_INIT",
+        k,
+        rest,
+        retries,
+        raster,
+        reserved,
+        pool_bytes
+    );
+    initialiser!(PelageMoment, "PELAGE_MOMENT_INIT", raster);
     initialiser!(
         PelageTransparency,
         "PELAGE_TRANSPARENCY_INIT",
@@ -280,7 +308,11 @@ fn initialisers() -> String {
         weighted_blended,
         depth_peeling,
         random_subsets,
-        sorted_blending
+        sorted_blending,
+        k_buffer,
+        k_plus_buffer,
+        k_buffer_single_pass,
+        moment
     );
     initialiser!(
         PelageDbkBuffer,

@@ -6,8 +6,8 @@ use pelage::host::offscreen::WantedOutputs;
 use pelage::raster::Raster;
 use pelage::shading::ShadingRate;
 use pelage::transparency::{
-    BlendOrder, DbkBuffer, DepthPeeling, Opaque, RandomSubsets, SortedBlending, Storage,
-    Transparency, Weight, WeightedBlended,
+    Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment,
+    Opaque, RandomSubsets, Rest, SortedBlending, Storage, Transparency, Weight, WeightedBlended,
 };
 use pelage::{Error, Frame, Hair, Instance, Light, NO_STRAND, Target, View};
 use pelage_reference::composite::Image;
@@ -51,6 +51,31 @@ fn cases() -> Vec<Case> {
             ..Default::default()
         };
         add("dbk_buffer", Transparency::DbkBuffer(settings), true, true);
+        let settings = KBuffer {
+            raster,
+            ..Default::default()
+        };
+        add("k_buffer", Transparency::KBuffer(settings), true, true);
+        for (name, atomics, rest) in [
+            ("k_plus_buffer", Atomics::Auto, Rest::Alpha),
+            ("k_plus_buffer, 32 bits", Atomics::Bits32, Rest::Merged),
+        ] {
+            let settings = KPlusBuffer {
+                atomics,
+                rest,
+                raster,
+                ..Default::default()
+            };
+            add(name, Transparency::KPlusBuffer(settings), true, true);
+        }
+        let settings = KBufferSinglePass {
+            raster,
+            ..Default::default()
+        };
+        let technique = Transparency::KBufferSinglePass(settings);
+        add("k_buffer_single_pass", technique, true, true);
+        let moment = Transparency::Moment(Moment { raster });
+        add("moment", moment, true, false);
         for (name, weight) in [
             ("weighted, uniform", Weight::Uniform),
             ("weighted, cubic", Weight::Cubic),
@@ -547,5 +572,6 @@ fn shading_at_fragments_is_taken_or_refused_by_name() {
     }
     taken.sort_unstable();
     taken.dedup();
-    assert_eq!(taken, ["a_buffer", "dbk_buffer", "opaque"]);
+    let all = ["a_buffer", "dbk_buffer", "k_buffer", "k_plus_buffer", "opaque"];
+    assert_eq!(taken, all);
 }
