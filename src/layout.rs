@@ -14,6 +14,7 @@ pub const DRAWING_DEPTH_OVER_W: u32 = 1;
 pub const DRAWING_REVERSE_Z: u32 = 2;
 pub const DRAWING_HOST_DEPTH: u32 = 4;
 pub const FRAME_REVERSE_Z: u32 = 1;
+pub const FRAME_NEAREST: u32 = 2;
 pub const POINT_FIRST: u32 = 0x8000_0000;
 pub const POINT_LAST: u32 = 0x4000_0000;
 pub const POINT_STRAND: u32 = 0x3fff_ffff;
@@ -57,11 +58,11 @@ pub struct Drawing {
     pub previous_clip_from_object: [[f32; 4]; 4],
     pub jitter_motion: [f32; 2],
     pub hair: u32,
+    pub chunk_base: u32,
     pub fibre_run: u32,
     pub fibre_run_number: u32,
     pub largest_radius: f32,
     pub padding_0: u32,
-    pub padding_1: u32,
 }
 
 #[repr(C)]
@@ -110,9 +111,11 @@ pub struct Frame {
     pub cut_depth: f32,
     pub depth_shift: f32,
     pub fibre_runs: u32,
-    pub padding_0: u32,
-    pub padding_1: u32,
-    pub padding_2: u32,
+    pub seed: u32,
+    pub key_first: u32,
+    pub key_packing: u32,
+    pub place_of_depth: [f32; 4],
+    pub technique: [f32; 4],
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
 }

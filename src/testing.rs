@@ -13,7 +13,10 @@ use crate::shading::{
 };
 use crate::shadow::{deep_opacity_map, look_up};
 use crate::transparency::{
-    ABuffer, DbkBuffer, Opaque, Storage, Transparency, a_buffer, dbk_buffer, opaque, resolve_module,
+    ABuffer, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque,
+    RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, WeightedBlended,
+    a_buffer, dbk_buffer, depth_peeling, moment, nearest, opaque, random_subsets, resolve_module,
+    sorted_blending, weighted_blended,
 };
 
 /// A module that the crate can build.
@@ -154,16 +157,39 @@ pub fn transmission_bound(shading: &Shading, angle: f64) -> Option<f32> {
 /// Every module that the crate can build.
 pub fn combinations() -> Vec<Combination> {
     let mut modules: Vec<(String, Module)> = Vec::new();
+    const RESTS: [Rest; 3] = [Rest::Merged, Rest::Alpha, Rest::Dropped];
+    let plus = RESTS.map(|rest| KPlusBuffer {
+        rest,
+        ..Default::default()
+    });
+    let single_pass = RESTS.map(|rest| KBufferSinglePass {
+        rest,
+        ..Default::default()
+    });
+    let kept: Vec<_> = plus
+        .iter()
+        .flat_map(KPlusBuffer::emissions)
+        .chain(single_pass.iter().map(KBufferSinglePass::emission))
+        .collect();
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
+        .chain(&nearest::EMISSIONS)
+        .chain(&weighted_blended::EMISSIONS)
+        .chain(&depth_peeling::EMISSIONS)
+        .chain(&random_subsets::EMISSIONS)
+        .chain(&kept)
+        .chain(&moment::EMISSIONS)
         .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             for rate in [ShadingRate::Point, ShadingRate::Fragment] {
                 modules.push((
-                    format!("{} {rasteriser}, shaded by {rate:?}", emission.label),
+                    format!(
+                        "{} {} {rasteriser}, shaded by {rate:?}",
+                        emission.label, emission.stage
+                    ),
                     emission.module(rasteriser, 3, rate),
                 ));
             }
@@ -178,22 +204,70 @@ pub fn combinations() -> Vec<Combination> {
         depth_shift: Some(1.0),
         ..Default::default()
     });
-    let techniques = [
-        ("opaque", Transparency::Opaque(Opaque::default())),
-        ("counted", counted),
-        ("lists", lists),
-        ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
-        ("dbk_buffer by a shift", by_shift),
+    let mut techniques = vec![
+        (
+            "opaque".to_string(),
+            Transparency::Opaque(Opaque::default()),
+        ),
+        ("moment".into(), Transparency::Moment(Moment::default())),
+        (
+            "weighted_blended".into(),
+            Transparency::WeightedBlended(WeightedBlended::default()),
+        ),
+        (
+            "depth_peeling".into(),
+            Transparency::DepthPeeling(DepthPeeling::default()),
+        ),
+        (
+            "random_subsets".into(),
+            Transparency::RandomSubsets(RandomSubsets::default()),
+        ),
+        (
+            "sorted_blending".into(),
+            Transparency::SortedBlending(SortedBlending::default()),
+        ),
+        ("counted".into(), counted),
+        ("lists".into(), lists),
+        (
+            "dbk_buffer".into(),
+            Transparency::DbkBuffer(DbkBuffer::default()),
+        ),
+        ("dbk_buffer by a shift".into(), by_shift),
     ];
-    for (name, technique) in techniques {
+    for settings in plus {
+        let name = format!("k_plus_buffer {:?}", settings.rest);
+        techniques.push((name, Transparency::KPlusBuffer(settings)));
+    }
+    for settings in single_pass {
+        let name = format!("k_buffer_single_pass {:?}", settings.rest);
+        techniques.push((name, Transparency::KBufferSinglePass(settings)));
+    }
+    for rest in RESTS {
+        for (selection, storage) in [
+            (Selection::Registers, Storage::Counted),
+            (Selection::Rounds, Storage::Lists),
+            (Selection::Sort, Storage::Counted),
+        ] {
+            techniques.push((
+                format!("k_buffer {rest:?} {selection:?}"),
+                Transparency::KBuffer(KBuffer {
+                    rest,
+                    selection,
+                    storage,
+                    ..Default::default()
+                }),
+            ));
+        }
+    }
+    for (name, technique) in &techniques {
         modules.push((
             format!("composite {name}"),
-            resolve_module(&technique, 3, None).and(&["common/fullscreen", "composite"]),
+            resolve_module(technique, 3, None).and(&["common/fullscreen", "composite"]),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
-                resolve_module(&technique, 3, None)
+                resolve_module(technique, 3, None)
                     .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
@@ -228,12 +302,10 @@ pub fn combinations() -> Vec<Combination> {
             }
             // Techniques are the same to all shaders of a model.
             let usual = shader.settings.is_some() && shader.transmits && !shader.varies;
-            let techniques = if usual {
-                &techniques
-            } else {
-                &techniques[1..2]
-            };
-            for (technique_name, technique) in techniques {
+            for (technique_name, technique) in &techniques {
+                if !technique.shades_fragments() || !(usual || *technique_name == "counted") {
+                    continue;
+                }
                 let module = resolve_module(technique, 3, Some(&shader))
                     .and(&["common/fullscreen", "composite"]);
                 modules.push((format!("composite {technique_name}, {name}"), module));
@@ -274,6 +346,9 @@ pub fn combinations() -> Vec<Combination> {
             "shadow/deep_opacity_map_prefix",
         ]),
     ));
+    modules.push(("sort".into(), sorted_blending::sort_module()));
+    modules.push(("blend".into(), sorted_blending::draw_module()));
+    modules.push(("advance".into(), depth_peeling::advance_module()));
     modules.push((
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
@@ -336,7 +411,7 @@ pub fn layouts() -> Vec<Layout> {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
             segment_count, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
-            fibre_run, fibre_run_number, largest_radius, padding_0, padding_1,
+            chunk_base, fibre_run, fibre_run_number, largest_radius, padding_0,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
@@ -344,7 +419,8 @@ pub fn layouts() -> Vec<Layout> {
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
-            part_capacity, origin, cut_depth, depth_shift, fibre_runs, padding_0, padding_1, padding_2, lights, shadow_views,
+            part_capacity, origin, cut_depth, depth_shift, fibre_runs, seed, key_first, key_packing, place_of_depth, technique,
+            lights, shadow_views,
         }
         Material { values }
         Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand, across, padding_0, padding_1 }
@@ -373,6 +449,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("DRAWING_REVERSE_Z", layout::DRAWING_REVERSE_Z),
         ("DRAWING_HOST_DEPTH", layout::DRAWING_HOST_DEPTH),
         ("FRAME_REVERSE_Z", layout::FRAME_REVERSE_Z),
+        ("FRAME_NEAREST", layout::FRAME_NEAREST),
         ("POINT_FIRST", layout::POINT_FIRST),
         ("POINT_LAST", layout::POINT_LAST),
         ("POINT_STRAND", layout::POINT_STRAND),

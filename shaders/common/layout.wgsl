@@ -41,13 +41,14 @@ struct Drawing {
     jitter_motion: vec2f,
     // The hair's place in the frame, and its instance in the upper 16 bits.
     hair: u32,
+    // The run's first chunk in the sort of sorted blending.
+    chunk_base: u32,
     // Where per-fragment shading keeps the run's parameters, in vectors; the run's number; the hair's largest radius, in
     // relative space.
     fibre_run: u32,
     fibre_run_number: u32,
     largest_radius: f32,
     padding_0: u32,
-    padding_1: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -112,14 +113,23 @@ struct Frame {
     depth_shift: f32,
     // Where the runs' parameters begin among the points of per-fragment shading, in vectors.
     fibre_runs: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    // What strands' hashes are made with.
+    seed: u32,
+    // How a depth key and a point share a word: the nearest key of the frame's hair, and bits by which keys are shifted, with
+    // the bits of a point above them.
+    key_first: u32,
+    key_packing: u32,
+    // A depth's place in the extent of all hair along the view's axis, from 0 to 1: (x depth + y) / (z depth + w).
+    place_of_depth: vec4f,
+    // Settings of the transparency technique, in the order in which its files read them.
+    technique: vec4f,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
 }
 
 const FRAME_REVERSE_Z: u32 = 1u;
+// Each pixel's nearest fragment is sought, for outputs or the host's depth.
+const FRAME_NEAREST: u32 = 2u;
 
 // The parameters of a hair's shading model, in the order in which its file reads them.
 struct Material {

@@ -50,7 +50,7 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     } else if fragment.opacity > 0.0 {
         let node = atomicAdd(&counters.stored, 1u);
         if node >= a_buffer_capacity {
-            a_buffer_merge(number, fragment);
+            tail_merge(number, fragment);
             return;
         }
         a_buffer_store(node, key, fragment);

@@ -41,7 +41,11 @@ pub enum ShadingRate {
     Point,
     /// At each fragment that the transparency technique keeps, at its own position: its own tangent, shadow and model. For
     /// strands of few points, narrow lobes and fine shadows. 32 bytes a point. What has overflowed the fragment pool takes the mean
-    /// colour of three of its fragments.
+    /// colour of three of its fragments. Techniques that need colours before they know what they keep refuse it:
+    /// [`weighted_blended`](crate::transparency::weighted_blended), [`depth_peeling`](crate::transparency::depth_peeling),
+    /// [`random_subsets`](crate::transparency::random_subsets), [`sorted_blending`](crate::transparency::sorted_blending),
+    /// [`k_buffer_single_pass`](crate::transparency::k_buffer_single_pass), [`moment`](crate::transparency::moment), and
+    /// [`k_plus_buffer`](crate::transparency::k_plus_buffer) where it merges the rest.
     Fragment,
 }
 

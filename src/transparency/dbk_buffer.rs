@@ -32,6 +32,7 @@ const BINS: Emission = Emission {
         "transparency/shaded",
         "transparency/tail_sums_emit",
         "transparency/dbk_buffer_common",
+        "transparency/tail_emit",
         "transparency/a_buffer_store",
         "transparency/dbk_buffer_emit",
     ],
@@ -415,8 +416,8 @@ pub(crate) fn resolve_module(
         &["transparency/a_buffer_whole"]
     };
     common
-        .and(&["transparency/overflow", tail(shader)])
+        .and(&["transparency/overflow", tail(shader), "transparency/tail"])
         .and(beyond)
-        .and(&["transparency/a_buffer"])
+        .and(&["transparency/a_buffer_read", "transparency/a_buffer"])
         .with("LISTS", Constant::Bool(false))
 }

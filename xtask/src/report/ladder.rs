@@ -10,7 +10,11 @@ use pelage::shading::{
     ShadingRate, Tables,
 };
 use pelage::shadow::{DeepOpacityMap, Shadow};
-use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{
+    ABuffer, Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
+    Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, Weight,
+    WeightedBlended,
+};
 use serde_json::Value;
 
 use super::Group;
@@ -392,6 +396,26 @@ pub fn cases(quick: bool) -> Vec<Case> {
             });
         }
     }
+    cases.extend(k_buffers().into_iter().map(|(k_buffer, pool)| Case {
+        transparency: Transparency::KBuffer(k_buffer),
+        pool,
+        ..base.clone()
+    }));
+    cases.extend(k_plus_buffers().into_iter().map(|k_plus_buffer| Case {
+        transparency: Transparency::KPlusBuffer(k_plus_buffer),
+        ..base.clone()
+    }));
+    cases.extend(single_passes().into_iter().map(|(single_pass, pool)| Case {
+        transparency: Transparency::KBufferSinglePass(single_pass),
+        pool,
+        ..base.clone()
+    }));
+    for raster in [Raster::Walk, Raster::Ribbons] {
+        cases.push(Case {
+            transparency: Transparency::Moment(Moment { raster }),
+            ..base.clone()
+        });
+    }
     for epsilon in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0] {
         cases.push(Case {
             transparency: Transparency::DbkBuffer(DbkBuffer {
@@ -401,5 +425,121 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
+    let others = blended(quick);
+    cases.extend(others.into_iter().map(|transparency| Case {
+        transparency,
+        ..base.clone()
+    }));
     cases
+}
+
+/// The techniques that keep a bounded part of a pixel's fragments, or none.
+fn blended(quick: bool) -> Vec<Transparency> {
+    let mut ladder = Vec::new();
+    let weights = [2.0, 4.0, 8.0, 16.0].map(|falloff| Weight::Exponential { falloff });
+    for weight in [Weight::Uniform, Weight::Cubic].into_iter().chain(weights) {
+        ladder.push(Transparency::WeightedBlended(WeightedBlended {
+            weight,
+            ..Default::default()
+        }));
+    }
+    let peels: &[u32] = if quick {
+        &[1, 4]
+    } else {
+        &[1, 2, 4, 8, 16, 64, 256]
+    };
+    for &peels in peels {
+        ladder.push(Transparency::DepthPeeling(DepthPeeling {
+            peels,
+            ..Default::default()
+        }));
+    }
+    for subsets in [2, 4, 8, 16] {
+        for exact_alpha in [false, true] {
+            ladder.push(Transparency::RandomSubsets(RandomSubsets {
+                subsets,
+                exact_alpha,
+                ..Default::default()
+            }));
+        }
+    }
+    for bins in [16, 64, 256, 1024, 4096] {
+        ladder.push(Transparency::SortedBlending(SortedBlending {
+            bins,
+            ..Default::default()
+        }));
+    }
+    for (order, full_precision, reuse) in [
+        (BlendOrder::FrontToBack, false, 0),
+        (BlendOrder::BackToFront, true, 0),
+        (BlendOrder::BackToFront, false, 1_000_000),
+    ] {
+        ladder.push(Transparency::SortedBlending(SortedBlending {
+            order,
+            full_precision,
+            reuse,
+            ..Default::default()
+        }));
+    }
+    ladder
+}
+
+/// The k⁺-buffer over K by 64-bit atomics, at its own K by 32-bit ones, and with what becomes of the rest.
+fn k_plus_buffers() -> Vec<KPlusBuffer> {
+    let base = KPlusBuffer {
+        raster: Raster::Walk,
+        ..KPlusBuffer::default()
+    };
+    let mut ladder: Vec<_> = [2, 4, 8, 16, 32, 64]
+        .map(|k| KPlusBuffer { k, ..base })
+        .into();
+    ladder.push(KPlusBuffer {
+        atomics: Atomics::Bits32,
+        ..base
+    });
+    ladder.extend([Rest::Merged, Rest::Dropped].map(|rest| KPlusBuffer { rest, ..base }));
+    ladder
+}
+
+/// The single-pass k-buffer over K, and with small pools.
+fn single_passes() -> Vec<(KBufferSinglePass, Option<f64>)> {
+    let base = KBufferSinglePass {
+        raster: Raster::Walk,
+        ..KBufferSinglePass::default()
+    };
+    let mut ladder: Vec<_> = [2, 4, 8, 16, 32, 64]
+        .map(|k| (KBufferSinglePass { k, ..base }, None))
+        .into();
+    ladder.extend([0.5, 0.1].map(|pool| (base, Some(pool))));
+    ladder
+}
+
+/// The k-buffer over K, with what becomes of the rest, by each selection (Yu et al. 2012, §6.1), and with small pools.
+fn k_buffers() -> Vec<(KBuffer, Option<f64>)> {
+    let base = KBuffer {
+        raster: Raster::Walk,
+        ..KBuffer::default()
+    };
+    let mut ladder = Vec::new();
+    for k in [2, 4, 8, 16, 32, 64] {
+        ladder.push((KBuffer { k, ..base }, None));
+        if k == 16 || k == 64 {
+            let others = [Selection::Rounds, Selection::Sort];
+            ladder.extend(others.map(|selection| {
+                (
+                    KBuffer {
+                        k,
+                        selection,
+                        ..base
+                    },
+                    None,
+                )
+            }));
+        }
+    }
+    for rest in [Rest::Alpha, Rest::Dropped] {
+        ladder.extend([4, 8, 16].map(|k| (KBuffer { k, rest, ..base }, None)));
+    }
+    ladder.extend([0.5, 0.1].map(|pool| (base, Some(pool))));
+    ladder
 }

@@ -116,14 +116,20 @@ pub fn row(
 
 /// Turns a part of the pool into bytes.
 fn set_pool(case: &mut Case, fragments: usize) {
-    let (Some(part), Transparency::ABuffer(settings)) = (case.pool, &mut case.transparency) else {
-        return;
+    let Some(part) = case.pool else { return };
+    let bytes = |storage| {
+        let each = match storage {
+            Storage::Counted => FRAGMENT_BYTES,
+            Storage::Lists => NODE_BYTES,
+        };
+        Some((part * fragments as f64 * each as f64) as u64)
     };
-    let each = match settings.storage {
-        Storage::Counted => FRAGMENT_BYTES,
-        Storage::Lists => NODE_BYTES,
-    };
-    settings.pool_bytes = Some((part * fragments as f64 * each as f64) as u64);
+    match &mut case.transparency {
+        Transparency::ABuffer(settings) => settings.pool_bytes = bytes(settings.storage),
+        Transparency::KBuffer(settings) => settings.pool_bytes = bytes(settings.storage),
+        Transparency::KBufferSinglePass(settings) => settings.pool_bytes = bytes(Storage::Lists),
+        _ => {}
+    }
 }
 
 /// The least and the median of at least one.
