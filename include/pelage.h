@@ -135,6 +135,14 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Chiang et al. 2016, d'Eon et al. 2011.
 #define PELAGE_SHADING_CHIANG 4
 
+// At strand points, once a view; a fragment's colour is interpolated along its segment.
+#define PELAGE_SHADING_RATE_POINT 0
+
+// At each fragment that the transparency technique keeps, at its own position. Refused with weighted blended, depth peeling,
+// random subsets, sorted blending, the single-pass k-buffer, moments, and the k+-buffer with `PELAGE_REST_MERGED`, which need
+// colours before they know what they keep.
+#define PELAGE_SHADING_RATE_FRAGMENT 1
+
 // Of the exact exit angle.
 #define PELAGE_ROOTS_EXACT 0
 
@@ -180,6 +188,21 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Every fragment stored, sorted and composited.
 #define PELAGE_TRANSPARENCY_A_BUFFER 1
 
+// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+#define PELAGE_TRANSPARENCY_DBK_BUFFER 10
+
+// McGuire and Bavoil 2013: the mean of all fragments weighed by depth, at their exact opacity.
+#define PELAGE_TRANSPARENCY_WEIGHTED_BLENDED 4
+
+// Everitt 2001: the nearest fragments found one after the other, the rest merged.
+#define PELAGE_TRANSPARENCY_DEPTH_PEELING 5
+
+// Hunz 2016: the nearest fragment of each of some random subsets of the strands.
+#define PELAGE_TRANSPARENCY_RANDOM_SUBSETS 3
+
+// Kim 2003: segments sorted into bins of depth, and blended in that order.
+#define PELAGE_TRANSPARENCY_SORTED_BLENDING 2
+
 // Every fragment stored, the K nearest of each pixel sorted and composited (Yu et al. 2012).
 #define PELAGE_TRANSPARENCY_K_BUFFER 6
 
@@ -206,6 +229,21 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Per-pixel linked lists.
 #define PELAGE_STORAGE_LISTS 1
+
+// Every fragment weighs the same.
+#define PELAGE_WEIGHT_UNIFORM 0
+
+// Opacity times the third power of the distance from the hair's far end.
+#define PELAGE_WEIGHT_CUBIC 1
+
+// exp(-falloff d), d from 0 at the hair's near end to 1 at its far one.
+#define PELAGE_WEIGHT_EXPONENTIAL 2
+
+// Farthest segments first, each over what is there.
+#define PELAGE_BLEND_ORDER_BACK_TO_FRONT 0
+
+// Nearest segments first, each under what is there.
+#define PELAGE_BLEND_ORDER_FRONT_TO_BACK 1
 
 // What lies behind the K nearest is one layer of exact opacity, in the mean of its own colours.
 #define PELAGE_REST_MERGED 0
@@ -607,6 +645,12 @@ typedef struct PelageMarschner {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
 } PelageMarschner;
 
 // One lobe of Sadeghi's model.
@@ -649,6 +693,12 @@ typedef struct PelageSadeghi {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
 } PelageSadeghi;
 
 // Chiang et al. 2016, d'Eon et al. 2011.
@@ -679,6 +729,15 @@ typedef struct PelageChiang {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
+    // 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
+    // the mean over their width.
+    uint32_t near_field;
 } PelageChiang;
 
 // A shading model with its parameters.
@@ -697,6 +756,10 @@ typedef struct PelageShading {
     const struct PelageSadeghi *sadeghi;
     // For `PELAGE_SHADING_CHIANG`; NULL: as `PELAGE_CHIANG_INIT`.
     const struct PelageChiang *chiang;
+    // `PELAGE_SHADING_RATE_...`; the same for all hairs of a frame.
+    uint32_t rate;
+    // 0.
+    uint32_t reserved;
 } PelageShading;
 
 // Settings of the deep opacity map.
@@ -747,6 +810,71 @@ typedef struct PelageABuffer {
     // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
     uint64_t pool_bytes;
 } PelageABuffer;
+
+// Settings of the DBK-buffer.
+typedef struct PelageDbkBuffer {
+    // `sizeof(PelageDbkBuffer)`.
+    uint32_t struct_size;
+    // How much of a pixel's alpha, and of its culled hair's radiance, may be left out: from 1e-6 to 0.5.
+    float epsilon;
+    // Above 0: what lies farther than this behind the nearest fragment, in host units along the ray, is drawn as one opaque
+    // layer, and `epsilon` is not asked. 0: `epsilon` decides.
+    float depth_shift;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageDbkBuffer;
+
+// Settings of weighted blended transparency. 28 bytes a pixel.
+typedef struct PelageWeightedBlended {
+    // `sizeof(PelageWeightedBlended)`.
+    uint32_t struct_size;
+    // `PELAGE_WEIGHT_...`.
+    uint32_t weight;
+    // For `PELAGE_WEIGHT_EXPONENTIAL`, from 0 to 100: the hair's optical depth.
+    float falloff;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageWeightedBlended;
+
+// Settings of depth peeling. 56 bytes a pixel.
+typedef struct PelageDepthPeeling {
+    // `sizeof(PelageDepthPeeling)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that are composited in their order, from 1 to 1024; what lies behind them is merged.
+    uint32_t peels;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageDepthPeeling;
+
+// Settings of random subsets. 12 bytes a pixel and subset, and 4 a pixel for the exact opacity.
+typedef struct PelageRandomSubsets {
+    // `sizeof(PelageRandomSubsets)`.
+    uint32_t struct_size;
+    // Subsets, from 1 to 32.
+    uint32_t subsets;
+    // What strands are parted by: another seed, another picture.
+    uint32_t seed;
+    // 1: a pixel has the opacity of all its fragments; 0: as published, only that of those that are kept.
+    uint32_t exact_alpha;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageRandomSubsets;
+
+// Settings of sorted blending. It draws ribbons, whatever their width.
+typedef struct PelageSortedBlending {
+    // `sizeof(PelageSortedBlending)`.
+    uint32_t struct_size;
+    // Bins of depth, from 1 to 4096.
+    uint32_t bins;
+    // `PELAGE_BLEND_ORDER_...`.
+    uint32_t order;
+    // Frames after a sorted one that take its order, as long as they draw the same hair; 0: every frame is sorted.
+    uint32_t reuse;
+    // 0: blended as 16-bit floats, 8 bytes a pixel; 1: as 32-bit floats where the device blends these, 16 bytes a pixel.
+    uint32_t full_precision;
+} PelageSortedBlending;
 
 // Settings of the k-buffer.
 typedef struct PelageKBuffer {
@@ -816,6 +944,16 @@ typedef struct PelageTransparency {
     const struct PelageOpaque *opaque;
     // For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     const struct PelageABuffer *a_buffer;
+    // For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
+    const struct PelageDbkBuffer *dbk_buffer;
+    // For `PELAGE_TRANSPARENCY_WEIGHTED_BLENDED`; NULL: as `PELAGE_WEIGHTED_BLENDED_INIT`.
+    const struct PelageWeightedBlended *weighted_blended;
+    // For `PELAGE_TRANSPARENCY_DEPTH_PEELING`; NULL: as `PELAGE_DEPTH_PEELING_INIT`.
+    const struct PelageDepthPeeling *depth_peeling;
+    // For `PELAGE_TRANSPARENCY_RANDOM_SUBSETS`; NULL: as `PELAGE_RANDOM_SUBSETS_INIT`.
+    const struct PelageRandomSubsets *random_subsets;
+    // For `PELAGE_TRANSPARENCY_SORTED_BLENDING`; NULL: as `PELAGE_SORTED_BLENDING_INIT`.
+    const struct PelageSortedBlending *sorted_blending;
     // For `PELAGE_TRANSPARENCY_K_BUFFER`; NULL: as `PELAGE_K_BUFFER_INIT`.
     const struct PelageKBuffer *k_buffer;
     // For `PELAGE_TRANSPARENCY_K_PLUS_BUFFER`; NULL: as `PELAGE_K_PLUS_BUFFER_INIT`.
@@ -1398,7 +1536,7 @@ PelageResult pelage_hair_rest(struct PelageHair hair);
 // Sets the fibres' own opacity, from 0 to 1.
 PelageResult pelage_hair_set_opacity(struct PelageHair hair, float opacity);
 
-// Sets a hair's shading model.
+// Sets a hair's shading model, and where it is evaluated.
 PelageResult pelage_hair_set_shading(struct PelageHair hair, const struct PelageShading *shading);
 
 // Sets the shadow technique that a hair wishes for lights that name none; NULL: no wish. Where no hair has one, lights
@@ -1647,19 +1785,24 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_HAIR_INFO_INIT { sizeof(PelageHairInfo), 0, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_KAJIYA_KAY_INIT { sizeof(PelageKajiyaKay), { 0.2324944f, 0.18368948f, 0.09059402f }, { 0.09f, 0.09f, 0.09f }, 60.0f }
 #define PELAGE_SCHEUERMANN_INIT { sizeof(PelageScheuermann), { 0.2324944f, 0.18368948f, 0.09059402f }, { { 0.06f, 0.06f, 0.06f }, 120.0f, 0.07f }, { { 0.2324944f, 0.18368948f, 0.09059402f }, 30.0f, -0.1f } }
-#define PELAGE_MARSCHNER_INIT { sizeof(PelageMarschner), 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { -0.1308997f, 0.06544985f, 0.19634955f }, { 0.1308997f, 0.06544985f, 0.2617994f }, 1.0f, 0, 1, 0.2617994f, 0.5f, 0.3f, 0.5f, { 1.0f, 1.0f, 1.0f }, 64, 0, 0, 1.0f, 1.0f }
-#define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 1.0f }
-#define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 1.0f }
-#define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL }
+#define PELAGE_MARSCHNER_INIT { sizeof(PelageMarschner), 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { -0.1308997f, 0.06544985f, 0.19634955f }, { 0.1308997f, 0.06544985f, 0.2617994f }, 1.0f, 0, 1, 0.2617994f, 0.5f, 0.3f, 0.5f, { 1.0f, 1.0f, 1.0f }, 64, 0, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f }
+#define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f }
+#define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f, 0 }
+#define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 3, 0.5f, 0 }
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
+#define PELAGE_WEIGHTED_BLENDED_INIT { sizeof(PelageWeightedBlended), 2, 4.0f, 0 }
+#define PELAGE_DEPTH_PEELING_INIT { sizeof(PelageDepthPeeling), 16, 0 }
+#define PELAGE_RANDOM_SUBSETS_INIT { sizeof(PelageRandomSubsets), 8, 0, 1, 0 }
+#define PELAGE_SORTED_BLENDING_INIT { sizeof(PelageSortedBlending), 1024, 0, 0, 0 }
 #define PELAGE_K_BUFFER_INIT { sizeof(PelageKBuffer), 16, 0, 0, 0, 0, 0 }
 #define PELAGE_K_PLUS_BUFFER_INIT { sizeof(PelageKPlusBuffer), 8, 1, 0, 0 }
 #define PELAGE_K_BUFFER_SINGLE_PASS_INIT { sizeof(PelageKBufferSinglePass), 8, 0, 32, 0, 0, 0 }
 #define PELAGE_MOMENT_INIT { sizeof(PelageMoment), 0 }
-#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL, NULL, NULL, NULL, NULL }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 10, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }
+#define PELAGE_DBK_BUFFER_INIT { sizeof(PelageDbkBuffer), 0.00390625f, 0.0f, 0, 0 }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }

@@ -35,7 +35,7 @@ const MOTION: f64 = 4e-3;
 /// does: 1 of 2,163 was measured.
 const TIES: f64 = 0.002;
 
-fn techniques() -> [(&'static str, Transparency); 7] {
+fn techniques() -> [(&'static str, Transparency); 11] {
     [
         ("counted", a_buffer(Storage::Counted, Raster::Walk)),
         ("lists", a_buffer(Storage::Lists, Raster::Ribbons)),

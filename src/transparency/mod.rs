@@ -3,11 +3,11 @@
 pub mod a_buffer;
 pub mod dbk_buffer;
 pub mod depth_peeling;
-pub(crate) mod nearest;
 pub mod k_buffer;
 pub mod k_buffer_single_pass;
 pub mod k_plus_buffer;
 pub mod moment;
+pub(crate) mod nearest;
 pub mod opaque;
 pub mod random_subsets;
 pub mod sorted_blending;

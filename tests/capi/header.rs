@@ -270,6 +270,7 @@ fn initialisers() -> String {
         reuse,
         full_precision
     );
+    initialiser!(
         PelageKBuffer,
         "PELAGE_K_BUFFER_INIT",
         k,

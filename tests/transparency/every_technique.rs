@@ -572,6 +572,12 @@ fn shading_at_fragments_is_taken_or_refused_by_name() {
     }
     taken.sort_unstable();
     taken.dedup();
-    let all = ["a_buffer", "dbk_buffer", "k_buffer", "k_plus_buffer", "opaque"];
+    let all = [
+        "a_buffer",
+        "dbk_buffer",
+        "k_buffer",
+        "k_plus_buffer",
+        "opaque",
+    ];
     assert_eq!(taken, all);
 }
