@@ -10,10 +10,11 @@ const MOMENT_BIAS: f32 = 1e-5;
 const MOMENT_OVERESTIMATION: f32 = 0.5;
 // Steps a unit of the sums of moments; a carry counts 2^32 of them.
 const MOMENT_SCALE: f32 = 1048576.0;
-// Steps a unit of the sums of weights, and of colours over the overflow's tail_scale.
-const MOMENT_WEIGHT_SCALE: f32 = 16777216.0;
-const MOMENT_COLOUR_SCALE: f32 = 256.0;
-const MOMENT_COLOUR_LARGEST: f32 = 67108864.0;
+// Steps a unit of the sums of weights, and of colours over the overflow's tail_scale: the least weight has a thousand. Weights
+// sum to little more than 1, and the sums hold 800.
+const MOMENT_WEIGHT_SCALE: f32 = 268435456.0;
+const MOMENT_COLOUR_SCALE: f32 = 4096.0;
+const MOMENT_COLOUR_LARGEST: f32 = 1073741824.0;
 // The least transmittance that weighs: of a thick pile at one depth each fragment has next to none, and their mean must not
 // be lost to the steps. A hundred of them behind all others weigh a 2600th.
 const MOMENT_LEAST: f32 = 3.8147e-6;
