@@ -29,6 +29,8 @@ fn k_buffer_add(sums: KBufferSums, steps: vec4u) -> KBufferSums {
 
 // Colour and transmittance of the fragments from (key, point) on.
 fn k_buffer_rest(first: u32, count: u32, key: u32, point: u32) -> vec4f {
+    // Where nothing was kept there is no other colour.
+    let with_colour = REST == REST_MERGED || (key == 0u && point == 0u);
     var sums = KBufferSums(vec4u(0u), vec4u(0u));
     // From 2^31 on, an optical depth of 32,768, it stays.
     var depth = 0u;
@@ -42,7 +44,7 @@ fn k_buffer_rest(first: u32, count: u32, key: u32, point: u32) -> vec4f {
         if other_key == key && other_point < point { continue; }
         let value = a_buffer_value(place);
         depth = min(depth + u32(optical_depth(value.x) * OPTICAL_DEPTH_SCALE + 0.5), 0x80000000u);
-        if REST == REST_MERGED {
+        if with_colour {
             let colour = min(value.x * shaded_colour(other_point, value.y) * frame.tail_scale, vec3f(TAIL_LARGEST));
             sums = k_buffer_add(sums, vec4u(vec4f(value.x * TAIL_WEIGHT_SCALE, colour) + 0.5));
         }
@@ -70,7 +72,8 @@ fn resolve(pixel: vec2u) -> Resolved {
     // A list so long that keeping K of it would take more than A_BUFFER_STEPS steps keeps fewer.
     let steps = A_BUFFER_STEPS / (count + 1u);
     let blocks = clamp(steps, 3u, K_BUFFER_BLOCKS + 2u) - 2u;
-    let rounds = max(steps / (blocks + 1u), 2u) - 1u;
+    // One for which even that is too much is the rest as a whole.
+    let rounds = select(max(steps / (blocks + 1u), 2u) - 1u, 0u, steps < 3u && REST != REST_DROPPED);
     for (var round = 0u; round < rounds && kept < min(K, count) && transmittance > A_BUFFER_UNSEEN; round++) {
         var keys: array<vec4u, K_BUFFER_BLOCKS>;
         var points: array<vec4u, K_BUFFER_BLOCKS>;

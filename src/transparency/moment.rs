@@ -4,6 +4,8 @@
 //! Alpha is exact. The colour's RMSE against the exact sorted composite, of 3,000 straight strands with a white point of about
 //! 0.5: 0.0004 at an opacity of 0.1, 0.0012 at 0.3, 0.0028 at 0.9, 0.0031 at 1; the 99th percentile is four times that. What
 //! single precision and fixed-point sums leave against the double-precision reference of the same algorithm is below 3e-5.
+//! Where a pixel's optical depth is above some hundred no fragment has more than the least weight, which for one of opacity α is
+//! 1024 α steps: of very many very faint fibres the colour is rounded.
 
 use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes};
