@@ -52,7 +52,7 @@ pub struct Drawing {
     pub layer_extent: f32,
     pub row_first: u32,
     pub row_end: u32,
-    pub segment_count: u32,
+    pub padding_1: u32,
     pub front_shift: u32,
     pub clip_from_object: [[f32; 4]; 4],
     pub previous_clip_from_object: [[f32; 4]; 4],

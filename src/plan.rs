@@ -471,7 +471,6 @@ impl Plan {
                     opacity: frame.hairs[run.hair].opacity,
                     point_count: run.run.count,
                     point_base: run.base,
-                    segment_count: run.run.segments,
                     chunk_base: self.sorting.bases.get(number).copied().unwrap_or(0),
                     ..*common
                 })

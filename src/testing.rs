@@ -410,7 +410,7 @@ pub fn layouts() -> Vec<Layout> {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
-            segment_count, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
+            padding_1, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
             chunk_base, fibre_run, fibre_run_number, largest_radius, padding_0,
         }
         Light {

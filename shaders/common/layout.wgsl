@@ -30,8 +30,7 @@ struct Drawing {
     // Rows of the view that this pass treats; pooled pixels are numbered from `row_first`.
     row_first: u32,
     row_end: u32,
-    // Segments of the run, and entries of its order.
-    segment_count: u32,
+    padding_1: u32,
     // Blocks of 1 << front_shift texels a side share one front.
     front_shift: u32,
     // Clip space of this frame and of the one before, y up, from the object space of this frame's and that one's points.

@@ -50,6 +50,7 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     } else if fragment.opacity > 0.0 {
         let node = atomicAdd(&counters.stored, 1u);
         if node >= a_buffer_capacity {
+            atomicMax(&overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY], 0xffffffffu - key);
             tail_merge(number, fragment);
             return;
         }

@@ -63,6 +63,13 @@ fn a_buffer_overflowed() -> bool {
     return select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
 }
 
+// The depth that a pixel's tail begins at: all that is known where nothing was stored.
+fn a_buffer_tail_key(number: u32) -> u32 {
+    let word = overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY];
+    // In lists it is the distance from the largest key, so that a cleared word is none.
+    return select(word, A_BUFFER_NONE - word, LISTS);
+}
+
 // The nearest fragment of a pixel, and the opacity of all.
 fn a_buffer_nearest(pixel: vec2u) -> Nearest {
     pixels_begin();
@@ -97,10 +104,7 @@ fn a_buffer_nearest(pixel: vec2u) -> Nearest {
     if a_buffer_overflowed() {
         let through = tail_through(number);
         transmittance *= through;
-        // Where nothing was stored, the depth that the tail begins at is all that is known.
-        if !LISTS && near.key == A_BUFFER_NONE && through < 1.0 {
-            near.key = overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY];
-        }
+        if near.key == A_BUFFER_NONE && through < 1.0 { near.key = a_buffer_tail_key(number); }
     }
     near.opacity = 1.0 - transmittance * resolve_beyond(number).w;
     return near;

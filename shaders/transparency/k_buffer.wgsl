@@ -146,6 +146,7 @@ fn resolve(pixel: vec2u) -> Resolved {
         let tail = tail_of(number);
         colour += transmittance * tail.xyz;
         transmittance *= tail.w;
+        if result.key == A_BUFFER_NONE && tail.w < 1.0 { result.key = a_buffer_tail_key(number); }
     }
     result.colour = vec4f(colour, 1.0 - transmittance);
     return result;

@@ -9,8 +9,7 @@
 //! | 16 | 274 | 295 | 310 |
 //! | 64 | 536 | 440 | 576 |
 //!
-//! Why is not profiled. A whole frame is not the resolve alone; and the fragments before K end a pixel's selection where they
-//! let nothing through.
+//! Why is not profiled; a whole frame is more than its resolve.
 
 use crate::error::{Result, invalid};
 use crate::raster::Raster;
