@@ -151,8 +151,8 @@ pub struct Counters {
     pub merged: u32,
     pub overflow: u32,
     pub covered: u32,
+    pub crowded: u32,
     pub padding_0: u32,
-    pub padding_1: u32,
     pub walk_arguments: [u32; 4],
     pub ribbon_arguments: [u32; 4],
 }

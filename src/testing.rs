@@ -424,7 +424,7 @@ pub fn layouts() -> Vec<Layout> {
         }
         Material { values }
         Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand, across, padding_0, padding_1 }
-        Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
+        Counters { produced, culled, stored, merged, overflow, covered, crowded, padding_0, walk_arguments, ribbon_arguments }
         Point { position, radius }
         Gather {
             origin, first, origin_rest, end, shift, lowest, base, stride, pieces, count,

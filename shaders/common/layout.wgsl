@@ -158,17 +158,21 @@ struct Sample {
     padding_1: f32,
 }
 
+// The most fragments of one pixel that counted arrays store: to order more would take more steps than some drivers' loops
+// have. The rest goes to the pixel's tail.
+const PIXEL_MOST: u32 = 8192u;
+
 // Counters of a frame, read back by the host some frames later.
 struct Counters {
     produced: atomic<u32>,
     culled: atomic<u32>,
     stored: atomic<u32>,
     merged: atomic<u32>,
-    // 1 where the pool is too small for this frame.
+    // 1 where the pool is too small for this frame, or a pixel has more than it may store.
     overflow: atomic<u32>,
     covered: atomic<u32>,
+    crowded: atomic<u32>,
     padding_0: u32,
-    padding_1: u32,
     // Arguments of the overflow's walks and ribbons: all zero, and so none is run, where the pool suffices.
     walk_arguments: vec4u,
     ribbon_arguments: vec4u,
