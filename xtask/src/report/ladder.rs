@@ -1,10 +1,9 @@
-//! What is measured: the scenes, and each technique over a ladder of its settings.
+//! What is measured: each technique over a ladder of its settings.
 
 use std::fmt;
 
 use pelage::Raster;
 use pelage::glam::Vec3;
-use pelage::groom::BuiltinGroom;
 use pelage::shading::{
     Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
     ShadingRate, Tables,
@@ -18,68 +17,16 @@ use pelage::transparency::{
 use serde_json::Value;
 
 use super::Group;
+use super::scenes::{Extent, Scene};
 use crate::scene_file::techniques;
 
-/// A groom and a frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scene {
-    /// Its name in rows.
-    pub name: &'static str,
-    /// The groom.
-    pub groom: BuiltinGroom,
-    /// How many strands.
-    pub strands: usize,
-    /// Pixels in a row, and rows.
-    pub size: [u32; 2],
-    /// The fibres' own opacity.
-    pub opacity: f32,
-    /// Whether `--quick` measures it.
-    pub quick: bool,
-}
+/// Tolerances of the DBK-buffer; of each the reference knows the fewest fragments.
+pub const EPSILONS: [f32; 4] = [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0];
 
-/// The scenes of the report.
-pub const SCENES: &[Scene] = &[
-    Scene {
-        name: "straight_10k",
-        groom: BuiltinGroom::Straight,
-        strands: 10_000,
-        size: [328, 430],
-        opacity: 0.5,
-        quick: true,
-    },
-    Scene {
-        name: "straight",
-        groom: BuiltinGroom::Straight,
-        strands: 50_000,
-        size: [656, 861],
-        opacity: 0.5,
-        quick: false,
-    },
-    Scene {
-        name: "straight_0.1",
-        groom: BuiltinGroom::Straight,
-        strands: 50_000,
-        size: [656, 861],
-        opacity: 0.1,
-        quick: false,
-    },
-    Scene {
-        name: "straight_0.3",
-        groom: BuiltinGroom::Straight,
-        strands: 50_000,
-        size: [656, 861],
-        opacity: 0.3,
-        quick: false,
-    },
-    Scene {
-        name: "straight_0.9",
-        groom: BuiltinGroom::Straight,
-        strands: 50_000,
-        size: [656, 861],
-        opacity: 0.9,
-        quick: false,
-    },
-];
+/// What pictures of transparency are shaded by.
+pub fn picture_shading() -> Shading {
+    white(0.09, 60.0)
+}
 
 /// One technique with its settings.
 #[derive(Debug, Clone, PartialEq)]
@@ -283,11 +230,65 @@ fn frame_models(dual_scattering: Option<DualScattering>) -> Vec<Shading> {
     models
 }
 
-/// Every case, in the order of the tables. `quick` leaves out the largest maps.
-pub fn cases(quick: bool) -> Vec<Case> {
+/// The cases of a scene, in the order of the tables. `quick` leaves out the slowest.
+pub fn cases(scene: &Scene, quick: bool) -> Vec<Case> {
+    let of = |extent| move |case: &Case| scene.extent(case.group) == Some(extent);
+    let mut cases: Vec<Case> = ladder(quick)
+        .into_iter()
+        .filter(of(Extent::Ladder))
+        .collect();
+    cases.extend(defaults().into_iter().filter(of(Extent::Defaults)));
+    cases
+}
+
+/// Every shadow and transparency technique with its default settings.
+fn defaults() -> Vec<Case> {
+    let base = Case {
+        group: Group::Transparency,
+        shading: picture_shading(),
+        shadow: Shadow::None,
+        transparency: Transparency::default(),
+        rate: None,
+        pool: None,
+    };
+    let shadow = Case {
+        group: Group::Shadow,
+        shading: white(0.0, 60.0),
+        shadow: Shadow::default(),
+        transparency: Transparency::Opaque(Opaque::default()),
+        ..base.clone()
+    };
+    let mut cases = vec![shadow];
+    cases.extend(default_techniques().map(|transparency| Case {
+        transparency,
+        ..base.clone()
+    }));
+    cases
+}
+
+/// Every transparency technique as a host has it without asking for more.
+pub fn default_techniques() -> impl Iterator<Item = Transparency> {
+    [
+        Transparency::Opaque(Opaque::default()),
+        Transparency::WeightedBlended(WeightedBlended::default()),
+        Transparency::RandomSubsets(RandomSubsets::default()),
+        Transparency::SortedBlending(SortedBlending::default()),
+        Transparency::Moment(Moment::default()),
+        Transparency::DepthPeeling(DepthPeeling::default()),
+        Transparency::KPlusBuffer(KPlusBuffer::default()),
+        Transparency::KBufferSinglePass(KBufferSinglePass::default()),
+        Transparency::KBuffer(KBuffer::default()),
+        Transparency::ABuffer(ABuffer::default()),
+        Transparency::DbkBuffer(DbkBuffer::default()),
+    ]
+    .into_iter()
+}
+
+/// Every technique over the ladder of its settings.
+fn ladder(quick: bool) -> Vec<Case> {
     let base = Case {
         group: Group::Shading,
-        shading: white(0.09, 60.0),
+        shading: picture_shading(),
         shadow: Shadow::None,
         transparency: Transparency::Opaque(Opaque::default()),
         rate: None,
@@ -416,7 +417,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
-    for epsilon in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0] {
+    for epsilon in EPSILONS {
         cases.push(Case {
             transparency: Transparency::DbkBuffer(DbkBuffer {
                 epsilon,

@@ -1,12 +1,14 @@
 //! A row of `report.json`.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::ladder::{Case, Scene};
+use super::ladder::Case;
+use super::scenes::Scene;
 use crate::Result;
 
 /// One technique with one set of settings on one scene.
@@ -47,6 +49,12 @@ pub struct Row {
     /// The fewest fragments that the technique's tolerance allows, by the reference.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub fewest: Option<u64>,
+    /// Time of the frame's passes, each submitted alone, in milliseconds.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub passes: BTreeMap<String, f64>,
+    /// How long it took to measure all this, in seconds.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub seconds: Option<f64>,
     /// The device.
     pub adapter: String,
     /// Its driver.
@@ -108,7 +116,7 @@ impl Row {
 
 /// Settings as read from text, so that numbers compare as they are written; without the pool's size in bytes, which
 /// follows from its part.
-fn without_bytes(settings: &Value) -> Value {
+pub fn without_bytes(settings: &Value) -> Value {
     let mut settings: Value = serde_json::from_str(&settings.to_string()).unwrap_or_default();
     if let Value::Object(map) = &mut settings
         && map.contains_key("pool_part")
