@@ -4,13 +4,14 @@
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Target};
+use crate::frame::Frame;
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, workgroups};
 use crate::layout::{
     self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE,
 };
 use crate::light::{LightCamera, LightKind, light_cameras};
+use crate::memory::Viewport;
 use crate::raster::Rasteriser;
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
@@ -188,7 +189,8 @@ fn vector(v: DVec4) -> [f32; 4] {
 }
 
 impl Plan {
-    pub fn new(gpu: &Gpu, frame: &Frame, target: &Target) -> Result<Self> {
+    /// `corner` is the pixel of the target that the view begins at.
+    pub fn new(gpu: &Gpu, frame: &Frame, viewport: &Viewport, corner: [u32; 2]) -> Result<Self> {
         frame.view.validate()?;
         if frame.lights.len() > MAX_LIGHTS {
             return invalid!(
@@ -225,7 +227,7 @@ impl Plan {
             )));
         }
 
-        let [left, top, width, height] = target.area();
+        let Viewport { width, height, .. } = *viewport;
         let origin = frame.view.origin();
         let placed: Vec<Placed> = frame
             .hairs
@@ -251,7 +253,7 @@ impl Plan {
             flags |= layout::FRAME_REVERSE_Z;
         }
         let sought = if transparency.seeks_nearest() {
-            Sought::by(target)
+            Sought::by(viewport)
         } else {
             Sought::default()
         };
@@ -293,7 +295,7 @@ impl Plan {
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
             reverse_z: frame.view.reverse_z,
-            host_depth: target.depth.is_some(),
+            host_depth: viewport.depth,
             sought,
             sorting: Sorting::default(),
             sort: false,
@@ -304,8 +306,8 @@ impl Plan {
                 }
                 _ => false,
             },
-            tracked: target.outputs.wanted().1,
-            origin: [left, top],
+            tracked: viewport.tracked(),
+            origin: corner,
             parts: 1,
             frame_uniform: layout::Frame {
                 ambient: frame.ambient.into(),
@@ -320,7 +322,7 @@ impl Plan {
                 run_points: largest,
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
-                origin: [left, top],
+                origin: corner,
                 key_first: keys[0],
                 key_packing: key_packing(keys, point_count),
                 cut_depth: transparency.cut_depth(),
@@ -356,14 +358,7 @@ impl Plan {
             plan.frame_uniform.technique = plan.sorting.values(settings.order);
         }
         plan.add_lights(frame, &placed, origin, gpu)?;
-        plan.add_bands(
-            frame,
-            &placed,
-            &clip_from_relative,
-            eye_relative,
-            target,
-            gpu,
-        );
+        plan.add_bands(frame, &placed, &clip_from_relative, eye_relative, gpu);
         Ok(plan)
     }
 
@@ -611,7 +606,6 @@ impl Plan {
         placed: &[Placed],
         clip_from_relative: &DMat4,
         eye: DVec4,
-        target: &Target,
         gpu: &Gpu,
     ) {
         let most = Needs::most_pixels(|pixels| self.needs(pixels), gpu.max_binding());
@@ -622,7 +616,7 @@ impl Plan {
         } else {
             0
         };
-        flags |= if target.depth.is_some() {
+        flags |= if self.host_depth {
             layout::DRAWING_HOST_DEPTH
         } else {
             0
