@@ -43,6 +43,8 @@ pub struct Case {
     pub rate: Option<ShadingRate>,
     /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
     pub pool: Option<f64>,
+    /// The depth shift as a part of the groom's extent along the view; it becomes `depth_shift` when that is known.
+    pub shift: Option<f64>,
 }
 
 impl Case {
@@ -73,6 +75,9 @@ impl Case {
             }
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
+            }
+            if let Some(part) = self.shift {
+                map.insert("shift_part".into(), part.into());
             }
             if self.group == Group::Frames {
                 map.insert("shadow".into(), self.shadow.stem().into());
@@ -250,6 +255,7 @@ fn defaults() -> Vec<Case> {
         transparency: Transparency::default(),
         rate: None,
         pool: None,
+        shift: None,
     };
     let shadow = Case {
         group: Group::Shadow,
@@ -293,6 +299,7 @@ fn ladder(quick: bool) -> Vec<Case> {
         transparency: Transparency::Opaque(Opaque::default()),
         rate: None,
         pool: None,
+        shift: None,
     };
     let mut cases = Vec::new();
     for exponent in [10.0, 60.0, 300.0] {
@@ -423,6 +430,13 @@ fn ladder(quick: bool) -> Vec<Case> {
                 epsilon,
                 ..DbkBuffer::default()
             }),
+            ..base.clone()
+        });
+    }
+    for shift in [0.1, 0.25, 0.5] {
+        cases.push(Case {
+            transparency: Transparency::DbkBuffer(DbkBuffer::default()),
+            shift: Some(shift),
             ..base.clone()
         });
     }

@@ -10,7 +10,7 @@ use pelage::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 use pelage::transparency::{DbkBuffer, Storage, Transparency};
 use pelage::{Frame, Hair, Light, LightKind, Target, wgpu};
 use pelage_reference::composite;
-use pelage_reference::error::colour_error;
+use pelage_reference::error::{ImageError, alpha_error, colour_error};
 
 use super::Group;
 use super::ladder::Case;
@@ -43,17 +43,23 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
     let start = Instant::now();
     let mut case = case.clone();
     set_pool(&mut case, truth.fragments());
+    if let (Some(part), Transparency::DbkBuffer(settings)) = (case.shift, &mut case.transparency) {
+        settings.depth_shift = Some((part * truth.depth()) as f32);
+    }
     let mut bench = Bench::new(scene, truth, &case)?;
-    let (error, image_error) = match case.group {
+    let (error, image_error, alpha) = match case.group {
         Group::Shadow => {
             let (error, image_error) = bench.shadow_error(&case)?;
-            (error, Some(image_error))
+            (error, Some(image_error), None)
         }
-        Group::Shading => (
-            bench.image_error(&case, &truth.nearest(&case.shading, case.rate.is_some())?)?,
-            None,
-        ),
-        _ => (bench.image_error(&case, &truth.exact())?, None),
+        Group::Shading => {
+            let truth = truth.nearest(&case.shading, case.rate.is_some())?;
+            (bench.image_error(&case, &truth)?.0, None, None)
+        }
+        _ => {
+            let (error, alpha) = bench.image_error(&case, &truth.exact())?;
+            (error, None, Some(alpha))
+        }
     };
     let times = if case.group == Group::Shadow {
         (0..TIMED_FRAMES)
@@ -70,6 +76,7 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
     let fragments = statistics.fragments;
     Ok(Row {
         image_error,
+        alpha_error: alpha,
         passes,
         seconds: Some(start.elapsed().as_secs_f64()),
         bytes: statistics.bytes_total,
@@ -108,6 +115,7 @@ pub fn row(
         height: scene.size[1],
         error,
         image_error: None,
+        alpha_error: None,
         ms,
         samples: None,
         ratio: None,
@@ -262,16 +270,20 @@ impl<'a> Bench<'a> {
         Ok(of_prefix.map(|(_, ms)| ms).sum())
     }
 
-    /// The picture against another.
-    fn image_error(&mut self, case: &Case, truth: &composite::Image) -> Result<Error> {
+    /// The picture against another: its colours, and its opacity.
+    fn image_error(&mut self, case: &Case, truth: &composite::Image) -> Result<(Error, Error)> {
         let actual = self.picture(case.shadow, case.transparency)?;
-        let error = colour_error(&actual, truth, None);
-        Ok(Error {
+        let of = |error: ImageError, flip| Error {
             rmse: error.rmse,
             p99: error.p99,
             max: error.max,
-            flip: flip::mean(&actual, truth),
-        })
+            flip,
+        };
+        let colour = colour_error(&actual, truth, None);
+        Ok((
+            of(colour, flip::mean(&actual, truth)),
+            of(alpha_error(&actual, truth, None), None),
+        ))
     }
 
     /// Errors of transmittance and of the picture at the truth's probes. Transmittance is the picture with shadow over

@@ -3,6 +3,7 @@
 //! Writes `docs/report/report.json`, a list of rows, and from it tables (`docs/report/README.md`) and plots (SVG). Rows
 //! that are already there are kept, so that a run that was stopped goes on where it was.
 
+mod choice;
 mod estimate;
 mod flip;
 mod frames;
@@ -12,6 +13,7 @@ mod measure;
 #[path = "../../../tests/shading/reference.rs"]
 mod models;
 mod plots;
+mod published;
 mod row;
 mod samples;
 mod scenes;

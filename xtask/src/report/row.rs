@@ -31,6 +31,9 @@ pub struct Row {
     /// For shadows, the error of the picture where points were shaded.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub image_error: Option<Error>,
+    /// For transparency, the error of the opacity.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub alpha_error: Option<Error>,
     /// Time of the frame, for shadows of the light's passes, for samples of the evaluation of all, in milliseconds.
     pub ms: Times,
     /// How many samples were evaluated in that time.
@@ -114,14 +117,19 @@ impl Row {
     }
 }
 
-/// Settings as read from text, so that numbers compare as they are written; without the pool's size in bytes, which
-/// follows from its part.
+/// Settings as read from text, so that numbers compare as they are written; without the pool's size in bytes and the depth
+/// shift where they follow from a part.
 pub fn without_bytes(settings: &Value) -> Value {
     let mut settings: Value = serde_json::from_str(&settings.to_string()).unwrap_or_default();
     if let Value::Object(map) = &mut settings
         && map.contains_key("pool_part")
     {
         map.shift_remove("pool_bytes");
+    }
+    if let Value::Object(map) = &mut settings
+        && map.contains_key("shift_part")
+    {
+        map.shift_remove("depth_shift");
     }
     settings
 }

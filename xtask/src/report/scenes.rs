@@ -121,19 +121,19 @@ pub const SCENES: &[Scene] = &[
         source: Source::File,
         size: [1280, 720],
         groups: SHADOW_AND_TRANSPARENCY,
-        fragments: 7.0,
+        fragments: 4.5,
         ..straight("sintel", 0.5)
     },
     Scene {
         source: Source::File,
         groups: TRANSPARENCY,
-        fragments: 3.0,
+        fragments: 1.2,
         ..straight("bear", 0.8)
     },
     Scene {
         source: Source::File,
         groups: SHADOW_AND_TRANSPARENCY,
-        fragments: 3.0,
+        fragments: 1.4,
         ..straight("furball", 1.0)
     },
 ];

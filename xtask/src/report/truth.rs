@@ -243,6 +243,16 @@ impl Truth {
         (0..lists.pixels()).filter_map(pixel).collect()
     }
 
+    /// The groom's extent along the view.
+    pub fn depth(&self) -> f64 {
+        let framing = &self.scene.framing;
+        let forward = (framing.target - framing.eye).normalize();
+        let depths = self.reference.points.iter().map(|p| p.dot(forward));
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let [near, far] = depths.fold(none, |[low, high], d| [low.min(d), high.max(d)]);
+        far - near
+    }
+
     /// How many fragments there are.
     pub fn fragments(&self) -> u64 {
         self.pixels.iter().map(|pixel| u64::from(pixel.count)).sum()
