@@ -412,9 +412,11 @@ fn every_model_shades_fragments_as_it_shades_points_close_together() {
     }
 }
 
-/// With a tenth of the pool: what is merged has the mean colour of three of its fragments. Measured RMSE 0.023, p99 0.11 with counted
-/// arrays, which merge the farthest; 0.038 and 0.18 with lists, which merge what comes late, as the scheduler has it.
-const SAMPLED: [f64; 2] = [0.07, 0.3];
+/// RMSE and p99 with a tenth of the pool: what is merged has the mean colour of three of its fragments. Counted arrays merge
+/// the farthest, the same in every run: measured 0.023 and 0.11. Lists merge what comes late, as the scheduler has it: 0.038 to 0.040
+/// and 0.18.
+const SAMPLED_COUNTED: [f64; 2] = [0.03, 0.14];
+const SAMPLED_LISTS: [f64; 2] = [0.06, 0.27];
 
 #[test]
 fn a_small_pool_erases_no_hair_at_fragments() {
@@ -439,7 +441,11 @@ fn a_small_pool_erases_no_hair_at_fragments() {
         );
         eprintln!("{name}: colour {colour:?}, alpha {alpha:?}");
         assert!(statistics.fragments.merged > need / 2, "{name}");
-        if colour.rmse > SAMPLED[0] || colour.p99 > SAMPLED[1] || alpha.rmse > 1e-3 {
+        let [rmse, p99] = match storage {
+            Storage::Counted => SAMPLED_COUNTED,
+            Storage::Lists => SAMPLED_LISTS,
+        };
+        if colour.rmse > rmse || colour.p99 > p99 || alpha.rmse > 1e-3 {
             write_failure(&format!("sampled tail, {name}"), &actual, &expected);
             panic!("{name}: {colour:?}, {alpha:?}");
         }
