@@ -7,7 +7,8 @@ use crate::gpu::{Gpu, Group, Passes, PipelineKey, RenderSpec};
 use crate::plan::{Band, Plan};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
-use crate::{shadow, transparency};
+use crate::shadow::Shadow;
+use crate::transparency;
 
 /// Clears the target where the host asked for it.
 pub(crate) fn clear(passes: &mut Passes, target: &Target) {
@@ -34,13 +35,14 @@ pub(crate) fn receive(
     plan: &Plan,
     target: &Target,
 ) -> Result<()> {
-    if !target.receive_shadow || !plan.shadowed {
+    if !target.receive_shadow || plan.shadow == Shadow::None {
         return Ok(());
     }
     let label = "pelage.composite.receive";
     let format = target.colour.format();
     let key = PipelineKey {
         colour: Some(format),
+        variant: plan.shadow.variant(),
         ..PipelineKey::new(label)
     };
     // Colour × shadow; the alpha stays.
@@ -50,7 +52,7 @@ pub(crate) fn receive(
         operation: wgpu::BlendOperation::Add,
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: Module::new(shadow::look_up(true)).and(&["common/fullscreen", "receive"]),
+        module: Module::new(plan.shadow.look_up()).and(&["common/fullscreen", "receive"]),
         vertex: "receive_vertex",
         fragment: "receive",
         groups: &[Group::Frame, Group::MapsRead],

@@ -41,16 +41,17 @@ pub struct Drawing {
     pub front_base: u32,
     pub layer_base: u32,
     pub layer_count: u32,
-    pub layer_extent: f32,
+    pub front_shift: u32,
     pub row_first: u32,
     pub row_end: u32,
     pub segment_count: u32,
-    pub front_shift: u32,
+    pub hair: u32,
+    pub map_values: [f32; 4],
     pub clip_from_object: [[f32; 4]; 4],
     pub previous_clip_from_object: [[f32; 4]; 4],
     pub jitter_motion: [f32; 2],
-    pub hair: u32,
     pub padding_0: u32,
+    pub padding_1: u32,
 }
 
 #[repr(C)]
@@ -63,10 +64,10 @@ pub struct Light {
     pub resolution: u32,
     pub pcf: u32,
     pub layer_count: u32,
-    pub layer_extent: f32,
     pub bias: f32,
     pub padding_0: f32,
     pub padding_1: f32,
+    pub padding_2: f32,
 }
 
 #[repr(C)]
@@ -78,6 +79,7 @@ pub struct ShadowView {
     pub layer_base: u32,
     pub front_shift: u32,
     pub padding_0: u32,
+    pub values: [f32; 4],
 }
 
 #[repr(C)]

@@ -11,8 +11,7 @@ use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
 use crate::shading::Shading;
-use crate::shadow::deep_opacity_map::front_shift;
-use crate::shadow::{DeepOpacityMap, Shadow};
+use crate::shadow::{Shadow, Shape, Sight};
 use crate::transparency::Transparency;
 use crate::transparency::a_buffer::FRAGMENT_BYTES;
 use crate::view::View;
@@ -31,9 +30,8 @@ pub(crate) struct PlannedRun {
 /// One map of one light.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlannedMap {
-    /// Blocks of 1 << front_shift texels a side share one front.
-    pub front_shift: u32,
-    pub settings: DeepOpacityMap,
+    pub technique: Shadow,
+    pub shape: Shape,
     pub rasteriser: Rasteriser,
     /// Uniform offsets, one a run.
     pub drawings: Vec<u32>,
@@ -77,7 +75,8 @@ pub(crate) struct Plan {
     pub shadings: Vec<Shading>,
     /// Every hair's uniform block.
     materials: Vec<u32>,
-    pub shadowed: bool,
+    /// The technique of all lights that have maps; none where no light has any.
+    pub shadow: Shadow,
     pub reverse_z: bool,
     pub host_depth: bool,
     /// Whether an output asks for a record of each point.
@@ -254,7 +253,7 @@ impl Plan {
             shading,
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
-            shadowed: false,
+            shadow: Shadow::None,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
             tracked: target.outputs.wanted().1,
@@ -395,57 +394,63 @@ impl Plan {
             let uniform = &mut self.frame_uniform.lights[number];
             uniform.place = vector(place);
             uniform.power = power.into();
-            let Shadow::DeepOpacityMap(settings) = choose_shadow(frame, number)? else {
-                continue;
-            };
+            let technique = choose_shadow(frame, number)?;
             if corners.is_empty() || self.runs.is_empty() {
                 continue;
             }
             let cameras = light_cameras(place, &corners, radius);
-            let extent = cameras.extent * f64::from(settings.depth);
+            let sight = Sight {
+                extent: cameras.extent,
+                width: cameras.width,
+                nearest_width: cameras.nearest_width,
+                radius,
+            };
+            let Some(shape) = technique.shape(&sight) else {
+                continue;
+            };
+            if self.shadow != Shadow::None && self.shadow.stem() != technique.stem() {
+                return Err(Error::Conflict(format!(
+                    "light {number} has the shadow {} and one before it {}; a frame takes one technique",
+                    technique.stem(),
+                    self.shadow.stem()
+                )));
+            }
+            self.shadow = technique;
             let first = self.maps.len();
             if first + cameras.views.len() > MAX_SHADOW_VIEWS {
                 return Err(Error::Unsupported(format!(
                     "light {number}: a frame takes at most {MAX_SHADOW_VIEWS} shadow maps"
                 )));
             }
-            let texel = cameras.width / f64::from(settings.resolution);
             *uniform = layout::Light {
                 map_count: cameras.views.len() as u32,
                 map_first: first as u32,
-                resolution: settings.resolution,
-                pcf: settings.pcf,
-                layer_count: settings.layers,
-                layer_extent: extent as f32,
-                bias: (2.0 * radius + 0.25 * f64::from(settings.pcf + 1) * texel) as f32,
+                resolution: shape.resolution,
+                pcf: shape.pcf,
+                layer_count: shape.layers,
+                bias: shape.bias as f32,
                 ..*uniform
             };
-            self.shadowed = true;
+            let half_width = sight.half_width(shape.resolution);
             for camera in cameras.views {
-                let half_width = radius * f64::from(settings.resolution) / cameras.nearest_width;
-                self.add_map(frame, placed, settings, &camera, extent, half_width, gpu)?;
+                self.add_map(frame, placed, (technique, shape), &camera, half_width, gpu)?;
             }
         }
         Ok(())
     }
 
-    #[allow(clippy::too_many_arguments)]
     fn add_map(
         &mut self,
         frame: &Frame,
         placed: &[Placed],
-        settings: DeepOpacityMap,
+        (technique, shape): (Shadow, Shape),
         camera: &LightCamera,
-        extent: f64,
         half_width: f64,
         gpu: &Gpu,
     ) -> Result<()> {
-        let texels = u64::from(settings.resolution).pow(2);
-        let front_shift = front_shift(half_width);
-        let fronts = u64::from(settings.resolution.div_ceil(1 << front_shift)).pow(2);
         let front_base = self.map_words;
-        let layer_base = front_base + fronts;
-        self.map_words = layer_base + texels * u64::from(settings.layers);
+        let layer_base = front_base + shape.fronts();
+        self.map_words = layer_base + u64::from(shape.resolution).pow(2) * u64::from(shape.layers);
         if self.map_words * 4 > gpu.max_binding() {
             return Err(Error::Unsupported(format!(
                 "the shadow maps of this frame take {} bytes; this device binds {}",
@@ -458,12 +463,13 @@ impl Plan {
             depth_row: vector(camera.depth_row),
             front_base: front_base as u32,
             layer_base: layer_base as u32,
-            front_shift,
+            front_shift: shape.front_shift.unwrap_or(0),
             padding_0: 0,
+            values: shape.values,
         };
         let seen = Seen {
             half_width_px: half_width,
-            length_px: f64::from(settings.resolution),
+            length_px: f64::from(shape.resolution),
             fragments: 0.0,
         };
         let drawings = self.drawings(
@@ -473,22 +479,21 @@ impl Plan {
                 clip_from_relative: matrix(camera.clip_from_relative),
                 eye: vector(camera.eye),
                 depth_row: vector(camera.depth_row),
-                viewport: [settings.resolution as f32; 2],
+                viewport: [shape.resolution as f32; 2],
                 splits: seen.splits(),
                 front_base: front_base as u32,
                 layer_base: layer_base as u32,
-                front_shift,
-                layer_count: settings.layers,
-                layer_extent: extent as f32,
-                row_end: settings.resolution,
+                layer_count: shape.layers,
+                front_shift: shape.front_shift.unwrap_or(0),
+                row_end: shape.resolution,
+                map_values: shape.values,
                 ..bytemuck::Zeroable::zeroed()
             },
         );
-        let rasteriser = settings.raster.choose(half_width);
         self.maps.push(PlannedMap {
-            settings,
-            front_shift,
-            rasteriser,
+            technique,
+            shape,
+            rasteriser: shape.raster.choose(half_width),
             drawings,
             splits: seen.splits(),
         });

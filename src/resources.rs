@@ -491,13 +491,10 @@ impl Resources {
     /// The attachment of ribbons, as large as the largest image that they draw.
     fn grow_attachment(&mut self, gpu: &Gpu, plan: &Plan) {
         let view = [(plan.rasteriser, plan.width, plan.height)];
-        let maps = plan.maps.iter().map(|map| {
-            (
-                map.rasteriser,
-                map.settings.resolution,
-                map.settings.resolution,
-            )
-        });
+        let maps = plan
+            .maps
+            .iter()
+            .map(|map| (map.rasteriser, map.shape.resolution, map.shape.resolution));
         let sizes = view
             .into_iter()
             .chain(maps)

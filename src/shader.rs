@@ -36,6 +36,8 @@ files![
     "shading/sadeghi",
     "shading/chiang",
     "shadow/none",
+    "shadow/map",
+    "shadow/front",
     "shadow/deep_opacity_map",
     "shadow/deep_opacity_map_common",
     "shadow/deep_opacity_map_emit",

@@ -9,7 +9,7 @@ use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
     Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, points_module, tables,
 };
-use crate::shadow::{deep_opacity_map, look_up};
+use crate::shadow::{DeepOpacityMap, Shadow, deep_opacity_map};
 use crate::transparency::{
     ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
 };
@@ -29,6 +29,14 @@ pub fn models() -> [Shading; 5] {
         Shading::Marschner(Marschner::default()),
         Shading::Sadeghi(Sadeghi::default()),
         Shading::Chiang(Chiang::default()),
+    ]
+}
+
+/// Every shadow technique, with its defaults.
+pub fn shadows() -> [Shadow; 2] {
+    [
+        Shadow::None,
+        Shadow::DeepOpacityMap(DeepOpacityMap::default()),
     ]
 }
 
@@ -101,11 +109,17 @@ pub fn combinations() -> Vec<Combination> {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
     }
-    for shadowed in [false, true] {
+    for shadow in shadows() {
         for model in models() {
-            let name = format!("points {}, shadowed {shadowed}", model.stem());
-            modules.push((name, points_module(shadowed, model.points().1)));
+            let name = format!("points {}, shadow {}", model.stem(), shadow.stem());
+            modules.push((name, points_module(&shadow, model.points().1)));
         }
+    }
+    for shadow in shadows().iter().filter(|shadow| **shadow != Shadow::None) {
+        modules.push((
+            format!("receive {}", shadow.stem()),
+            Module::new(shadow.look_up()).and(&["common/fullscreen", "receive"]),
+        ));
     }
     for model in models().iter().filter(|model| model.tables().is_some()) {
         let name = format!("tables {}", model.stem());
@@ -128,20 +142,10 @@ pub fn combinations() -> Vec<Combination> {
                 .with("REVERSE_Z", Constant::Bool(reverse)),
         ));
     }
-    modules.push((
-        "prefix".into(),
-        Module::new(&[
-            "shadow/deep_opacity_map_common",
-            "shadow/deep_opacity_map_prefix",
-        ]),
-    ));
+    modules.push(("prefix".into(), Module::new(deep_opacity_map::PREFIX)));
     modules.push((
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
-    ));
-    modules.push((
-        "receive".into(),
-        Module::new(look_up(true)).and(&["common/fullscreen", "receive"]),
     ));
     modules
         .into_iter()
@@ -195,14 +199,14 @@ pub fn layouts() -> Vec<Layout> {
     layouts! {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
-            point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
-            segment_count, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
-            padding_0,
+            point_base, flags, splits, front_base, layer_base, layer_count, front_shift, row_first, row_end,
+            segment_count, hair, map_values, clip_from_object, previous_clip_from_object, jitter_motion, padding_0,
+            padding_1,
         }
         Light {
-            place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
+            place, power, map_count, map_first, resolution, pcf, layer_count, bias, padding_0, padding_1, padding_2,
         }
-        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
+        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
         }

@@ -21,27 +21,28 @@ struct Drawing {
     flags: u32,
     // Workgroups that share one segment's pixels (wide fibres).
     splits: u32,
-    // First word of this light's fronts and of its layers in the shadow maps, and layers a texel.
+    // First word of this map's fronts and of its layers in the shadow maps, and words a texel of the latter.
     front_base: u32,
     layer_base: u32,
     layer_count: u32,
-    // Depth beyond the front at which the last layer ends, in host units along the light's axis.
-    layer_extent: f32,
+    // Blocks of 1 << front_shift texels a side share one front.
+    front_shift: u32,
     // Rows of the view that this pass treats; pooled pixels are numbered from `row_first`.
     row_first: u32,
     row_end: u32,
     // Segments of the run, and entries of its order.
     segment_count: u32,
-    // Blocks of 1 << front_shift texels a side share one front.
-    front_shift: u32,
+    // The hair's place in the frame, and its instance in the upper 16 bits.
+    hair: u32,
+    // The shadow technique's values, in the order in which its files read them.
+    map_values: vec4f,
     // Clip space of this frame and of the one before, y up, from the object space of this frame's and that one's points.
     clip_from_object: mat4x4f,
     previous_clip_from_object: mat4x4f,
     // How much of a point's motion is the views' jitter, in pixels.
     jitter_motion: vec2f,
-    // The hair's place in the frame, and its instance in the upper 16 bits.
-    hair: u32,
     padding_0: u32,
+    padding_1: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -62,22 +63,25 @@ struct Light {
     resolution: u32,
     // Width of the filter in texels.
     pcf: u32,
+    // Words a texel of the maps' layers.
     layer_count: u32,
-    layer_extent: f32,
     // Depth by which a shaded point is moved towards the light.
     bias: f32,
     padding_0: f32,
     padding_1: f32,
+    padding_2: f32,
 }
 
 struct ShadowView {
     clip_from_relative: mat4x4f,
     // Distance along the map's axis = dot(depth_row, position).
     depth_row: vec4f,
+    // As in the map's drawings.
     front_base: u32,
     layer_base: u32,
     front_shift: u32,
     padding_0: u32,
+    values: vec4f,
 }
 
 struct Frame {

@@ -12,21 +12,3 @@ fn deep_opacity_layer(depth: f32, count: u32) -> u32 {
     let x = 0.5 * (sqrt(1.0 + 8.0 * clamp(depth, 0.0, 1.0)) - 1.0);
     return min(u32(x * f32(count)), count - 1u);
 }
-
-// Where a texel's front lies among a map's fronts, of which blocks of 1 << shift texels a side share one.
-fn deep_opacity_front_place(texel: vec2u, resolution: u32, shift: u32) -> u32 {
-    let width = (resolution + (1u << shift) - 1u) >> shift;
-    return (texel.y >> shift) * width + (texel.x >> shift);
-}
-
-// The bits of a positive float order like the float; kept as a distance from the largest one, so that a cleared word
-// is the farthest front and the nearest fragment the maximum.
-const DEEP_OPACITY_FARTHEST: u32 = 0x7f7fffffu;
-
-fn deep_opacity_front_word(depth: f32) -> u32 {
-    return DEEP_OPACITY_FARTHEST - bitcast<u32>(max(depth, 0.0));
-}
-
-fn deep_opacity_front(word: u32) -> f32 {
-    return bitcast<f32>(DEEP_OPACITY_FARTHEST - word);
-}

@@ -24,7 +24,7 @@ fn emit_begin() -> bool {
     map_front_shift = drawing.front_shift;
     map_layers = drawing.layer_base;
     map_layer_count = drawing.layer_count;
-    map_extent = 1.0 / drawing.layer_extent;
+    map_extent = 1.0 / drawing.map_values.x;
     return true;
 }
 
@@ -34,14 +34,14 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     if STAGE == STAGE_FRONT {
         let place = map_front + pixel.y * map_width + pixel.x;
         // Most fragments lie behind the front; a look is cheaper than an atomic maximum.
-        let word = deep_opacity_front_word(fragment.depth);
+        let word = shadow_front_word(fragment.depth);
         if word > atomicLoad(&shadow_maps[place]) {
             atomicMax(&shadow_maps[place], word);
         }
     } else {
         let texel = pixel.y * map_width + pixel.x;
-        let front_place = map_front + deep_opacity_front_place(pixel, map_width, map_front_shift);
-        let front = deep_opacity_front(atomicLoad(&shadow_maps[front_place]));
+        let front_place = map_front + shadow_front_place(pixel, map_width, map_front_shift);
+        let front = shadow_front(atomicLoad(&shadow_maps[front_place]));
         let layer = deep_opacity_layer((fragment.depth - front) * map_extent, map_layer_count);
         let word = map_layers + texel * map_layer_count + layer;
         let depth = u32(optical_depth(fragment.opacity) * OPTICAL_DEPTH_SCALE + 0.5);

@@ -27,7 +27,7 @@ use crate::layout::Material;
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::Module;
-use crate::shadow;
+use crate::shadow::Shadow;
 
 /// A shading model with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -158,8 +158,8 @@ impl Shading {
 }
 
 /// The module that shades points.
-pub(crate) fn points_module(shadowed: bool, files: &[&'static str]) -> Module {
-    Module::new(shadow::look_up(shadowed))
+pub(crate) fn points_module(shadow: &Shadow, files: &[&'static str]) -> Module {
+    Module::new(shadow.look_up())
         .and(&["shading/fibre_type", "shading/points"])
         .and(files)
 }
@@ -169,12 +169,12 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
     tables::record(gpu, passes, bound, plan)?;
     let (label, files) = plan.shading;
     let key = PipelineKey {
-        variant: u32::from(plan.shadowed),
+        variant: plan.shadow.variant(),
         ..PipelineKey::new(label)
     };
     let groups = [Group::Frame, Group::Shade, Group::MapsRead];
     let pipeline = gpu.compute(key, "shade_points", &groups, || {
-        points_module(plan.shadowed, files)
+        points_module(&plan.shadow, files)
     })?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
