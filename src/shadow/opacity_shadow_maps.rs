@@ -88,8 +88,7 @@ impl OpacityShadowMaps {
     }
 
     pub(super) fn shape(&self, sight: &Sight) -> Shape {
-        let texel = sight.width / f64::from(self.resolution);
-        let covered = (2.0 * sight.radius / texel).min(1.0);
+        let covered = (2.0 * sight.half_width(self.resolution)).min(1.0);
         let one_fibre = (-(1.0 - sight.fibres.most_opaque * covered).ln()).min(OPAQUE);
         Shape {
             resolution: self.resolution,
