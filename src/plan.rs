@@ -381,24 +381,18 @@ impl Plan {
         let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
         let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
         for (number, light) in frame.lights.iter().enumerate() {
-            let (place, power) = match light.kind {
-                LightKind::Directional {
-                    direction,
-                    irradiance,
-                } => ((-direction.normalize()).extend(0.0), irradiance),
-                LightKind::Point {
-                    position,
-                    intensity,
-                } => ((position - origin).extend(1.0), intensity),
-            };
+            let emitter = light.kind.emitter(origin);
             let uniform = &mut self.frame_uniform.lights[number];
-            uniform.place = vector(place);
-            uniform.power = power.into();
+            uniform.place = vector(emitter.place);
+            uniform.power = emitter.power.into();
+            uniform.axis = emitter.axis.as_vec3().into();
+            uniform.cos_outer = emitter.cosines[0] as f32;
+            uniform.edge = 1.0 / (emitter.cosines[1] - emitter.cosines[0]).max(1e-6) as f32;
             let technique = choose_shadow(frame, number)?;
             if corners.is_empty() || self.runs.is_empty() {
                 continue;
             }
-            let cameras = light_cameras(place, &corners, radius);
+            let cameras = light_cameras(&emitter, &corners, radius);
             let sight = Sight {
                 extent: cameras.extent,
                 width: cameras.width,
@@ -731,6 +725,11 @@ fn tail_scale(frame: &Frame, placed: &[Placed], origin: DVec3) -> f32 {
             LightKind::Point {
                 position,
                 intensity,
+            }
+            | LightKind::Spot {
+                position,
+                intensity,
+                ..
             } => {
                 let nearest = placed
                     .iter()

@@ -13,6 +13,7 @@ use crate::gpu::{Gpu, Passes};
 use crate::plan::{Plan, PlannedMap};
 use crate::raster::{self, Emission, Raster};
 use crate::resources::Bound;
+use crate::shader::Module;
 
 /// A shadow technique with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,6 +65,11 @@ impl Shadow {
             Self::None => none::LOOK_UP,
             Self::DeepOpacityMap(_) => deep_opacity_map::LOOK_UP,
         }
+    }
+
+    /// The look-up with what finds a point's own fibre, which it is not to be shadowed by.
+    pub(crate) fn module(&self) -> Module {
+        Module::new(self.look_up()).and(&["common/coverage", "shadow/own"])
     }
 
     /// What tells a pipeline with one technique's look-up from another's.
