@@ -81,8 +81,8 @@ impl Default for DeepOpacityMap {
         Self {
             resolution: 512,
             layers: 8,
-            pcf: 3,
-            depth: 0.5,
+            pcf: 1,
+            depth: 1.0,
             raster: Raster::Auto,
         }
     }
@@ -114,7 +114,7 @@ impl DeepOpacityMap {
             front_shift: Some(front_shift(sight.half_width(self.resolution))),
             layers: self.layers,
             values: [extent as f32, 0.0, 0.0, 0.0],
-            bias: sight.bias(self.resolution, self.pcf),
+            bias: 0.0,
             raster: self.raster,
         }
     }

@@ -6,7 +6,7 @@ use pelage::shadow::{ApproximatedDeepShadowMap, Shadow};
 use pelage::{Frame, Raster};
 use pelage_reference::composite::Image;
 use pelage_reference::error::colour_error;
-use pelage_reference::shadow_maps::approximated_deep_shadow_map;
+use pelage_reference::shadow_maps::{approximated_deep_shadow_map, nearest_depth};
 use pelage_reference::transmittance::Light as Towards;
 
 use crate::common::device;
@@ -52,11 +52,11 @@ fn it_is_what_its_model_says() {
             view: portrait(size),
             transparency: OPAQUE,
         };
-        let passed = modelled(&frame, 128, pcf, |_| {
+        let passed = modelled(&frame, 128, pcf, |map, seen| {
             let opacity = f64::from(opacity.unwrap_or(0.7));
-            Box::new(move |occluders, depth| {
-                approximated_deep_shadow_map(occluders, depth, opacity, f64::from(spacing))
-            })
+            let own = seen.own.map(|own| seen.occluders[own].depth);
+            let depth = nearest_depth(seen.depth, own, f64::from(map.values[2]));
+            approximated_deep_shadow_map(seen.occluders, depth, opacity, f64::from(spacing))
         });
         let expected = image_of(&frame, size, &passed);
         let actual = draw(&mut device, &[&hair], &lights, size, frame.view);

@@ -6,7 +6,7 @@ use pelage::shadow::{ApproximatedDeepShadowMap, Shadow, ShadowMap};
 use pelage::{Frame, Raster};
 use pelage_reference::composite::Image;
 use pelage_reference::error::colour_error;
-use pelage_reference::shadow_maps::shadow_map;
+use pelage_reference::shadow_maps::{nearest_depth, shadow_map};
 use pelage_reference::transmittance::Light as Towards;
 
 use crate::common::device;
@@ -55,8 +55,10 @@ fn it_is_what_its_model_says() {
             view: portrait(size),
             transparency: OPAQUE,
         };
-        let passed = modelled(&frame, 256, pcf, |_| {
-            Box::new(move |occluders, depth| shadow_map(occluders, depth, f64::from(strength)))
+        let passed = modelled(&frame, 256, pcf, |map, seen| {
+            let own = seen.own.map(|own| seen.occluders[own].depth);
+            let depth = nearest_depth(seen.depth, own, f64::from(map.values[2]));
+            shadow_map(seen.occluders, depth, f64::from(strength))
         });
         let expected = image_of(&frame, size, &passed);
         let actual = draw(&mut device, &[&hair], &lights, size, frame.view);
