@@ -238,11 +238,7 @@ const WIDEST: f64 = 1.75;
 const NEAREST: f64 = 0.01;
 
 /// Fits a light's maps to the corners of all hairs' boxes.
-pub(crate) fn light_cameras(
-    emitter: &Emitter,
-    corners: &[DVec3],
-    radius: f64,
-) -> LightCameras {
+pub(crate) fn light_cameras(emitter: &Emitter, corners: &[DVec3], radius: f64) -> LightCameras {
     let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
     let size = corners
         .iter()
@@ -268,7 +264,13 @@ pub(crate) fn light_cameras(
             && rectangle.reach() <= WIDEST
         {
             let plane = 0.5 * near;
-            return perspective_camera(light, axis, &rectangle, [near, seen.farthest + margin], plane);
+            return perspective_camera(
+                light,
+                axis,
+                &rectangle,
+                [near, seen.farthest + margin],
+                plane,
+            );
         }
     }
     // The light is among the hair: a cube.
@@ -579,7 +581,12 @@ mod tests {
             0.0,
         );
         // Along the axes of the world it would be at least as long as the box's diagonal is seen, a side.
-        assert!(found.nearest_width < 0.5 * found.width, "{} of {}", found.nearest_width, found.width);
+        assert!(
+            found.nearest_width < 0.5 * found.width,
+            "{} of {}",
+            found.nearest_width,
+            found.width
+        );
     }
 
     #[test]
@@ -597,7 +604,10 @@ mod tests {
             cameras(kind, 0.01).views.len()
         };
         assert_eq!((spot(0.5), spot(1.5)), (1, 6));
-        let point = LightKind::Point { position, intensity };
+        let point = LightKind::Point {
+            position,
+            intensity,
+        };
         assert_eq!(cameras(point, 0.01).views.len(), 6);
     }
 

@@ -4,11 +4,12 @@
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Target};
+use crate::frame::{Frame, ShadowImage, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, workgroups};
-use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
+use crate::layout::{self, MAX_LIGHTS, MAX_OCCLUDERS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::{LightCamera, LightKind, light_cameras};
+use crate::occluder;
 use crate::raster::Rasteriser;
 use crate::shading::Shading;
 use crate::shadow::{Shadow, Shape, Sight};
@@ -77,6 +78,10 @@ pub(crate) struct Plan {
     materials: Vec<u32>,
     /// The technique of all lights that have maps; none where no light has any.
     pub shadow: Shadow,
+    /// Whether the host has shadow maps that shadow the hair.
+    pub occluded: bool,
+    /// Whether only the images of the hair's shadow are written.
+    pub shadows_only: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
     /// Whether an output asks for a record of each point.
@@ -197,6 +202,15 @@ impl Plan {
             .iter()
             .enumerate()
             .try_for_each(|(number, hair)| hair.validate(number))?;
+        occluder::validate(target.occluders, frame.lights.len())?;
+        let lights = frame.lights.len();
+        let unlit = |shadow: &ShadowImage| shadow.light >= lights;
+        if let Some(number) = target.shadow_images.iter().position(unlit) {
+            return invalid!(
+                "shadow image {number}: light {} of a frame of {lights} lights",
+                target.shadow_images[number].light
+            );
+        }
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
         let shading = one_shading(frame)?;
@@ -254,6 +268,8 @@ impl Plan {
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
             shadow: Shadow::None,
+            occluded: !target.occluders.is_empty(),
+            shadows_only: target.shadows_only,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
             tracked: target.outputs.wanted().1,
@@ -277,10 +293,11 @@ impl Plan {
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
                 origin: [left, top],
+                occluder_count: target.occluders.len() as u32,
                 padding_0: 0,
-                padding_1: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
+                occluders: occluders(target, origin),
             },
             runs,
         };
@@ -594,6 +611,15 @@ fn choose_shadow(frame: &Frame, light: usize) -> Result<Shadow> {
         frame.hairs.iter().map(|hair| hair.shadow),
         Shadow::stem,
     )
+}
+
+/// The host's shadow maps, with positions relative to an origin.
+fn occluders(target: &Target, origin: DVec3) -> [layout::Occluder; MAX_OCCLUDERS] {
+    let mut uniforms = [bytemuck::Zeroable::zeroed(); MAX_OCCLUDERS];
+    for (uniform, occluder) in uniforms.iter_mut().zip(target.occluders) {
+        *uniform = occluder.uniform(origin);
+    }
+    uniforms
 }
 
 /// The only wish, the default where nobody wishes, or an error.

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
+use crate::layout::{Counters, MAX_OCCLUDERS, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::tables;
@@ -57,6 +57,9 @@ struct Slot {
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
     depth: Option<wgpu::Texture>,
+    /// The host's shadow maps, and what binds them.
+    occluding: Vec<wgpu::Texture>,
+    occluders: Option<wgpu::BindGroup>,
 }
 
 /// One run's bind groups.
@@ -94,6 +97,8 @@ pub(crate) struct Bound<'a> {
     pub tables: Option<&'a wgpu::BindGroup>,
     pub maps_written: &'a wgpu::BindGroup,
     pub maps_read: &'a wgpu::BindGroup,
+    /// Where the host has shadow maps.
+    pub occluders: Option<&'a wgpu::BindGroup>,
     pub pixels_written: &'a wgpu::BindGroup,
     pub pixels: &'a Pixels,
     pub pixels_read: &'a wgpu::BindGroup,
@@ -190,6 +195,14 @@ fn part(allocation: &Allocation, first: u64, count: u64, each: u64) -> wgpu::Bin
     })
 }
 
+/// What a depth texture's depth is bound by.
+fn depth_view(depth: &wgpu::Texture) -> wgpu::TextureView {
+    depth.create_view(&wgpu::TextureViewDescriptor {
+        aspect: wgpu::TextureAspect::DepthOnly,
+        ..Default::default()
+    })
+}
+
 /// Grows a buffer to `size` bytes; the old one is kept where that fails.
 fn grow(
     gpu: &Gpu,
@@ -227,6 +240,8 @@ impl Resources {
                     frame: None,
                     frame_without_depth: None,
                     depth: None,
+                    occluding: Vec::new(),
+                    occluders: None,
                 })
             })
             .collect::<Result<Vec<_>>>()?;
@@ -359,6 +374,9 @@ impl Resources {
             plan.map_words * 4,
             generation,
         )?;
+        if plan.shadows_only {
+            return Ok(());
+        }
         let pixels = plan
             .bands
             .iter()
@@ -654,10 +672,7 @@ impl Resources {
         gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
         if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
             let bind = |depth: &wgpu::Texture| {
-                let view = depth.create_view(&wgpu::TextureViewDescriptor {
-                    aspect: wgpu::TextureAspect::DepthOnly,
-                    ..Default::default()
-                });
+                let view = depth_view(depth);
                 let block = |size: usize| {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &uniforms.buffer,
@@ -680,6 +695,23 @@ impl Resources {
             slot.frame_without_depth = Some(bind(&self.no_depth));
             slot.depth = target.depth.cloned();
         }
+        let given = target.occluders.iter().map(|occluder| occluder.depth);
+        if !slot.occluding.iter().eq(given.clone()) {
+            slot.occluding = given.cloned().collect();
+            slot.occluders = (!slot.occluding.is_empty()).then(|| {
+                let maps = slot.occluding.iter();
+                let views: Vec<_> = maps
+                    .chain(std::iter::repeat(&self.no_depth))
+                    .take(MAX_OCCLUDERS)
+                    .map(depth_view)
+                    .collect();
+                let views: Vec<_> = views
+                    .iter()
+                    .map(wgpu::BindingResource::TextureView)
+                    .collect();
+                gpu.bind("pelage.occluders", Group::Occluders, &views)
+            });
+        }
         slot.bands = plan.bands.len() as u64;
         slot.lists = matches!(
             plan.transparency,
@@ -689,7 +721,11 @@ impl Resources {
             })
         );
         slot.capacity = self.capacity;
-        slot.fills = self.tables.to_fill();
+        slot.fills = if plan.shadows_only {
+            0
+        } else {
+            self.tables.to_fill()
+        };
         Ok(())
     }
 
@@ -708,6 +744,7 @@ impl Resources {
             tables: groups.tables_written.as_ref().filter(|_| slot.fills > 0),
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
+            occluders: slot.occluders.as_ref(),
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             point_outputs: &groups.point_outputs,
@@ -728,6 +765,15 @@ impl Resources {
                 encoder.clear_buffer(&self.maps.buffer, 0, Some(plan.map_words * 4));
             });
         }
+    }
+
+    /// Counters of a frame that draws no hair.
+    pub fn keep_nothing(&self, passes: &mut Passes, bound: &Bound, plan: &Plan) {
+        passes.encode("pelage.counters", |encoder| bound.clear_counters(encoder));
+        for band in &plan.bands {
+            bound.keep_counters(passes, band.number);
+        }
+        self.read_counters(passes);
     }
 
     /// Sends the frame's counters on their way back to the host; they arrive some frames later.

@@ -24,6 +24,7 @@ files![
     "common/project",
     "common/scan",
     "common/light",
+    "common/host_position",
     "common/track",
     "raster/walk",
     "raster/ribbons",
@@ -59,6 +60,10 @@ files![
     "guided_frames",
     "guided_clumps",
     "receive",
+    "occluder",
+    "occluder_none",
+    "shadow_image",
+    "shadow_image_none",
     "outputs",
     "outputs_none",
 ];
@@ -107,9 +112,10 @@ impl Module {
 
     pub fn join(&self) -> Joined {
         let mut source = format!(
-            "const MAX_LIGHTS: u32 = {}u;\nconst MAX_SHADOW_VIEWS: u32 = {}u;\n",
+            "const MAX_LIGHTS: u32 = {}u;\nconst MAX_SHADOW_VIEWS: u32 = {}u;\nconst MAX_OCCLUDERS: u32 = {}u;\n",
             layout::MAX_LIGHTS,
-            layout::MAX_SHADOW_VIEWS
+            layout::MAX_SHADOW_VIEWS,
+            layout::MAX_OCCLUDERS
         );
         for (name, constant) in &self.constants {
             source += &match constant {

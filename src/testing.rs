@@ -4,6 +4,7 @@
 
 use std::mem::offset_of;
 
+use crate::composite;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
@@ -111,14 +112,25 @@ pub fn combinations() -> Vec<Combination> {
     }
     for shadow in shadows() {
         for model in models() {
-            let name = format!("points {}, shadow {}", model.stem(), shadow.stem());
-            modules.push((name, points_module(&shadow, model.points().1)));
+            for occluded in [false, true] {
+                let name = format!(
+                    "points {}, shadow {}, occluded {occluded}",
+                    model.stem(),
+                    shadow.stem()
+                );
+                let module = points_module(&shadow, occluded, model.points().1);
+                modules.push((name, module));
+            }
         }
     }
     for shadow in shadows().iter().filter(|shadow| **shadow != Shadow::None) {
         modules.push((
             format!("receive {}", shadow.stem()),
-            shadow.module().and(&["common/light", "common/fullscreen", "receive"]),
+            shadow.module().and(composite::RECEIVE),
+        ));
+        modules.push((
+            format!("shadow_image {}", shadow.stem()),
+            shadow.module().and(composite::SHADOW_IMAGE),
         ));
     }
     for model in models().iter().filter(|model| model.tables().is_some()) {
@@ -142,6 +154,10 @@ pub fn combinations() -> Vec<Combination> {
                 .with("REVERSE_Z", Constant::Bool(reverse)),
         ));
     }
+    modules.push((
+        "shadow_image_none".into(),
+        Module::new(composite::SHADOW_IMAGE_NONE),
+    ));
     modules.push(("prefix".into(), Module::new(deep_opacity_map::PREFIX)));
     modules.push((
         "overflow".into(),
@@ -209,8 +225,9 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, occluder_count, padding_0, lights, shadow_views, occluders,
         }
+        Occluder { clip_from_relative, light, pcf, bias, flags }
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
@@ -233,6 +250,8 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
     vec![
         ("MAX_LIGHTS", layout::MAX_LIGHTS as u32),
         ("MAX_SHADOW_VIEWS", layout::MAX_SHADOW_VIEWS as u32),
+        ("MAX_OCCLUDERS", layout::MAX_OCCLUDERS as u32),
+        ("OCCLUDER_REVERSE_Z", layout::OCCLUDER_REVERSE_Z),
         ("DRAWING_DEPTH_OVER_W", layout::DRAWING_DEPTH_OVER_W),
         ("DRAWING_REVERSE_Z", layout::DRAWING_REVERSE_Z),
         ("DRAWING_HOST_DEPTH", layout::DRAWING_HOST_DEPTH),
