@@ -10,7 +10,10 @@ use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
     Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, points_module, tables,
 };
-use crate::shadow::{DeepOpacityMap, Shadow, deep_opacity_map};
+use crate::shadow::{
+    ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
+    approximated_deep_shadow_map, deep_opacity_map, opacity_shadow_maps, shadow_map,
+};
 use crate::transparency::{
     ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
 };
@@ -34,11 +37,40 @@ pub fn models() -> [Shading; 5] {
 }
 
 /// Every shadow technique, with its defaults.
-pub fn shadows() -> [Shadow; 2] {
+pub fn shadows() -> [Shadow; 5] {
     [
         Shadow::None,
         Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        Shadow::ShadowMap(ShadowMap::default()),
+        Shadow::ApproximatedDeepShadowMap(ApproximatedDeepShadowMap::default()),
+        Shadow::OpacityShadowMaps(OpacityShadowMaps::default()),
     ]
+}
+
+/// A light's first map.
+pub struct LightMap {
+    pub clip_from_world: glam::DMat4,
+    /// Depth along the map's axis = dot(depth_row, (position, 1)), in world space.
+    pub depth_row: glam::DVec4,
+    /// Depth range of the hair.
+    pub extent: f64,
+    /// How much nearer to the light than it is a point is taken to be.
+    pub bias: f64,
+    /// The technique's values.
+    pub values: [f32; 4],
+}
+
+/// How a light of a frame sees the hair; `None` without a map.
+pub fn light_map(frame: &crate::Frame, light: usize) -> Option<LightMap> {
+    let (camera, origin, extent, shape) = crate::plan::first_map(frame, light)?;
+    let row = camera.depth_row;
+    Some(LightMap {
+        clip_from_world: camera.clip_from_relative * glam::DMat4::from_translation(-origin),
+        depth_row: row.truncate().extend(row.w - row.truncate().dot(origin)),
+        extent,
+        bias: shape.bias,
+        values: shape.values,
+    })
 }
 
 /// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
@@ -66,7 +98,12 @@ pub fn combinations() -> Vec<Combination> {
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
-        .chain(&deep_opacity_map::EMISSIONS);
+        .chain(&deep_opacity_map::EMISSIONS)
+        .chain([
+            &shadow_map::DEPTH,
+            &approximated_deep_shadow_map::DEPTH,
+            &opacity_shadow_maps::SLABS,
+        ]);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             modules.push((
@@ -159,6 +196,7 @@ pub fn combinations() -> Vec<Combination> {
         Module::new(composite::SHADOW_IMAGE_NONE),
     ));
     modules.push(("prefix".into(), Module::new(deep_opacity_map::PREFIX)));
+    modules.push(("sum".into(), Module::new(opacity_shadow_maps::SUM)));
     modules.push((
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),

@@ -9,7 +9,9 @@ use pelage::shading::{
     Chiang, DualScattering, Highlight, KajiyaKay, Marschner, Precision, Roots, Sadeghi,
     Scheuermann, Shading, Tables,
 };
-use pelage::shadow::{DeepOpacityMap, Shadow};
+use pelage::shadow::{
+    ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
+};
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
 use pelage::{Raster, glam};
 use serde::de::DeserializeOwned;
@@ -48,7 +50,13 @@ pub const SHADING: Group = Group {
 pub const SHADOW: Group = Group {
     name: "shadow",
     selector: "technique",
-    stems: &["none", "deep_opacity_map"],
+    stems: &[
+        "none",
+        "shadow_map",
+        "approximated_deep_shadow_map",
+        "opacity_shadow_maps",
+        "deep_opacity_map",
+    ],
     default: "deep_opacity_map",
 };
 /// The transparency technique.
@@ -287,6 +295,88 @@ impl DeepOpacityMapKeys {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+struct ShadowMapKeys {
+    resolution: u32,
+    pcf: u32,
+    strength: f32,
+    raster: RasterKey,
+}
+
+impl Default for ShadowMapKeys {
+    fn default() -> Self {
+        Self::of(&ShadowMap::default())
+    }
+}
+
+impl ShadowMapKeys {
+    fn of(settings: &ShadowMap) -> Self {
+        Self {
+            resolution: settings.resolution,
+            pcf: settings.pcf,
+            strength: settings.strength,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct ApproximatedDeepShadowMapKeys {
+    resolution: u32,
+    pcf: u32,
+    opacity: Option<f32>,
+    spacing: Option<f32>,
+    raster: RasterKey,
+}
+
+impl Default for ApproximatedDeepShadowMapKeys {
+    fn default() -> Self {
+        Self::of(&ApproximatedDeepShadowMap::default())
+    }
+}
+
+impl ApproximatedDeepShadowMapKeys {
+    fn of(settings: &ApproximatedDeepShadowMap) -> Self {
+        Self {
+            resolution: settings.resolution,
+            pcf: settings.pcf,
+            opacity: settings.opacity,
+            spacing: settings.spacing,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct OpacityShadowMapsKeys {
+    resolution: u32,
+    layers: u32,
+    unevenness: f32,
+    pcf: u32,
+    raster: RasterKey,
+}
+
+impl Default for OpacityShadowMapsKeys {
+    fn default() -> Self {
+        Self::of(&OpacityShadowMaps::default())
+    }
+}
+
+impl OpacityShadowMapsKeys {
+    fn of(settings: &OpacityShadowMaps) -> Self {
+        Self {
+            resolution: settings.resolution,
+            layers: settings.layers,
+            unevenness: settings.unevenness,
+            pcf: settings.pcf,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 struct OpaqueKeys {
     raster: RasterKey,
 }
@@ -380,6 +470,9 @@ impl Group {
             "sadeghi" => json!(SadeghiKeys::default()),
             "chiang" => json!(ChiangKeys::default()),
             "deep_opacity_map" => json!(DeepOpacityMapKeys::default()),
+            "shadow_map" => json!(ShadowMapKeys::default()),
+            "approximated_deep_shadow_map" => json!(ApproximatedDeepShadowMapKeys::default()),
+            "opacity_shadow_maps" => json!(OpacityShadowMapsKeys::default()),
             "opaque" => json!(OpaqueKeys::default()),
             "a_buffer" => json!(ABufferKeys::default()),
             _ => json!(NoKeys::default()),
@@ -474,6 +567,37 @@ pub fn shadow(map: &Map<String, Value>) -> Result<Shadow> {
                 layers: keys.layers,
                 pcf: keys.pcf,
                 depth: keys.depth,
+                raster: keys.raster.raster(),
+            }))
+        }
+        "shadow_map" => {
+            let keys: ShadowMapKeys = SHADOW.settings(stem, map)?;
+            Ok(Shadow::ShadowMap(ShadowMap {
+                resolution: keys.resolution,
+                pcf: keys.pcf,
+                strength: keys.strength,
+                raster: keys.raster.raster(),
+            }))
+        }
+        "approximated_deep_shadow_map" => {
+            let keys: ApproximatedDeepShadowMapKeys = SHADOW.settings(stem, map)?;
+            Ok(Shadow::ApproximatedDeepShadowMap(
+                ApproximatedDeepShadowMap {
+                    resolution: keys.resolution,
+                    pcf: keys.pcf,
+                    opacity: keys.opacity,
+                    spacing: keys.spacing,
+                    raster: keys.raster.raster(),
+                },
+            ))
+        }
+        "opacity_shadow_maps" => {
+            let keys: OpacityShadowMapsKeys = SHADOW.settings(stem, map)?;
+            Ok(Shadow::OpacityShadowMaps(OpacityShadowMaps {
+                resolution: keys.resolution,
+                layers: keys.layers,
+                unevenness: keys.unevenness,
+                pcf: keys.pcf,
                 raster: keys.raster.raster(),
             }))
         }
@@ -583,6 +707,14 @@ pub fn shadow_settings(shadow: &Shadow) -> Value {
     match shadow {
         Shadow::DeepOpacityMap(settings) => {
             with_stem(shadow.stem(), json!(DeepOpacityMapKeys::of(settings)))
+        }
+        Shadow::ShadowMap(settings) => with_stem(shadow.stem(), json!(ShadowMapKeys::of(settings))),
+        Shadow::ApproximatedDeepShadowMap(settings) => with_stem(
+            shadow.stem(),
+            json!(ApproximatedDeepShadowMapKeys::of(settings)),
+        ),
+        Shadow::OpacityShadowMaps(settings) => {
+            with_stem(shadow.stem(), json!(OpacityShadowMapsKeys::of(settings)))
         }
         _ => json!({ "technique": shadow.stem() }),
     }

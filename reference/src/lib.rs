@@ -9,6 +9,7 @@
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
 //! - [`transmittance`]: how much light reaches a point through other fibres
+//! - [`shadow_maps`]: what techniques make of that which look a point up in a map of the light
 //! - [`fibre`]: directions in a fibre's frame, lobes, and what every scattering model of a fibre offers
 //! - [`kajiya_kay`], [`scheuermann`]: how a fibre scatters light, from fixed lobes
 //! - [`marschner`], [`sadeghi`], [`chiang`]: the same from physics, from an artist's controls, and with all energy kept
@@ -33,6 +34,7 @@ pub mod ray_optics;
 pub mod sadeghi;
 pub mod scene;
 pub mod scheuermann;
+pub mod shadow_maps;
 pub mod transmittance;
 
 mod bvh;

@@ -218,7 +218,36 @@ fn initialisers() -> String {
         PelageShadow,
         "PELAGE_SHADOW_INIT",
         technique,
-        deep_opacity_map
+        deep_opacity_map,
+        shadow_map,
+        approximated_deep_shadow_map,
+        opacity_shadow_maps
+    );
+    initialiser!(
+        PelageShadowMap,
+        "PELAGE_SHADOW_MAP_INIT",
+        resolution,
+        pcf,
+        strength,
+        raster
+    );
+    initialiser!(
+        PelageApproximatedDeepShadowMap,
+        "PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT",
+        resolution,
+        pcf,
+        opacity,
+        spacing,
+        raster
+    );
+    initialiser!(
+        PelageOpacityShadowMaps,
+        "PELAGE_OPACITY_SHADOW_MAPS_INIT",
+        resolution,
+        layers,
+        unevenness,
+        pcf,
+        raster
     );
     initialiser!(PelageOpaque, "PELAGE_OPAQUE_INIT", raster);
     initialiser!(
