@@ -307,8 +307,11 @@ pub(crate) fn record(
         plan,
     )?;
     geometry::track(gpu, passes, &bound, plan)?;
-    shading::record(gpu, passes, &bound, plan)?;
     for band in &plan.bands {
+        transparency::count(gpu, passes, &bound, band, plan)?;
+        if band.first == 0 {
+            shading::record(gpu, passes, &bound, plan)?;
+        }
         transparency::record(gpu, passes, &bound, band, plan)?;
         if band.first == 0 {
             composite::receive(gpu, passes, &bound, plan, target)?;

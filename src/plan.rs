@@ -84,6 +84,8 @@ pub(crate) struct Plan {
     pub shadows_only: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
+    /// Whether the technique cuts off what cannot be seen.
+    pub cuts: bool,
     /// Whether an output asks for a record of each point.
     pub tracked: bool,
     /// The pixel of the target that the view begins at.
@@ -96,11 +98,6 @@ pub(crate) struct Plan {
 /// Fragments that each of the pool's parts holds: what one binding holds.
 pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
     gpu.max_binding() / FRAGMENT_BYTES
-}
-
-/// Pixels of one band at most: what one binding of the overflow's words holds.
-fn band_pixels(gpu: &Gpu) -> u64 {
-    gpu.max_binding() / (4 * layout::OVERFLOW_WORDS)
 }
 
 /// Segments wider than this many pixels in all are shared among invocations: some drivers end loops at 65,535 steps.
@@ -272,6 +269,7 @@ impl Plan {
             shadows_only: target.shadows_only,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
+            cuts: matches!(transparency, Transparency::DbkBuffer(_)),
             tracked: target.outputs.wanted().1,
             origin: [left, top],
             parts: 1,
@@ -293,8 +291,12 @@ impl Plan {
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
                 origin: [left, top],
+                cut_depth: transparency.cut_depth(),
+                depth_shift: transparency.depth_shift(),
                 occluder_count: target.occluders.len() as u32,
                 padding_0: 0,
+                padding_1: 0,
+                padding_2: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
                 occluders: occluders(target, origin),
@@ -517,8 +519,8 @@ impl Plan {
         target: &Target,
         gpu: &Gpu,
     ) {
-        let rows =
-            (band_pixels(gpu) / u64::from(self.width)).clamp(1, u64::from(self.height)) as u32;
+        let rows = (self.transparency.most_pixels(gpu.max_binding()) / u64::from(self.width))
+            .clamp(1, u64::from(self.height)) as u32;
         let mut flags = layout::DRAWING_DEPTH_OVER_W;
         flags |= if frame.view.reverse_z {
             layout::DRAWING_REVERSE_Z

@@ -7,12 +7,12 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, MAX_OCCLUDERS, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
+use crate::layout::{Counters, MAX_OCCLUDERS, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::tables;
-use crate::transparency::Transparency;
-use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
+use crate::transparency::Fragments;
+use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 
 /// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
 pub(crate) const RING: usize = 8;
@@ -357,7 +357,7 @@ impl Resources {
                 generation,
             )?;
         }
-        if plan.host_depth {
+        if plan.host_depth || plan.cuts {
             let bytes = u64::from(plan.tile_count()) * 8;
             grow(
                 gpu,
@@ -384,71 +384,44 @@ impl Resources {
             .max()
             .unwrap_or(0);
         let pool = &mut self.pixels;
-        grow(
-            gpu,
-            &mut pool.fill,
-            "pelage.transparency.fill",
-            pixels * 4,
-            generation,
+        let needs = plan.transparency.needs(pixels);
+        let mut sized =
+            |slot: &mut Allocation, label, bytes| grow(gpu, slot, label, bytes, generation);
+        sized(&mut pool.fill, "pelage.transparency.fill", needs.fill)?;
+        sized(&mut pool.links, "pelage.transparency.links", needs.links)?;
+        sized(
+            &mut pool.overflow,
+            "pelage.transparency.overflow",
+            needs.overflow,
         )?;
-        match plan.transparency {
-            Transparency::Opaque(_) => {
-                grow(
-                    gpu,
-                    &mut pool.links,
-                    "pelage.transparency.links",
-                    pixels * 4,
-                    generation,
-                )?;
-                grow(
-                    gpu,
-                    &mut pool.fragments[0],
-                    "pelage.transparency.fragments",
-                    pixels * 4,
-                    generation,
-                )
-            }
-            Transparency::ABuffer(settings) => {
-                let words = pixels * 4 * OVERFLOW_WORDS;
-                grow(
-                    gpu,
-                    &mut pool.overflow,
-                    "pelage.transparency.overflow",
-                    words,
-                    generation,
-                )?;
-                if settings.storage == Storage::Counted {
-                    let scan = pixels + 1 + pixels.div_ceil(u64::from(SCAN_BLOCK));
-                    grow(
-                        gpu,
-                        &mut pool.links,
-                        "pelage.transparency.links",
-                        scan * 4,
-                        generation,
-                    )?;
-                }
-                self.grow_fragments(gpu, plan, &settings)
-            }
+        match needs.fragments {
+            Fragments::Fixed(bytes) => sized(
+                &mut pool.fragments[0],
+                "pelage.transparency.fragments",
+                bytes,
+            ),
+            Fragments::Pool { linked, bytes } => self.grow_fragments(gpu, plan, linked, bytes),
         }
     }
 
     /// Sizes the fragment pool: to what the host says, or to what is expected or was measured, within the budget.
-    fn grow_fragments(&mut self, gpu: &Gpu, plan: &Plan, settings: &ABuffer) -> Result<()> {
-        let each = if settings.storage == Storage::Lists {
-            NODE_BYTES
-        } else {
-            FRAGMENT_BYTES
-        };
+    fn grow_fragments(
+        &mut self,
+        gpu: &Gpu,
+        plan: &Plan,
+        lists: bool,
+        pool_bytes: Option<u64>,
+    ) -> Result<()> {
+        let each = if lists { NODE_BYTES } else { FRAGMENT_BYTES };
         let part = part_capacity(gpu);
         let held = self.fragments_held(part);
-        let lists = settings.storage == Storage::Lists;
         // Lists keep their links in one binding.
         let most = if lists {
             (3 * part).min(gpu.max_binding() / 4)
         } else {
             3 * part
         };
-        let wanted = match settings.pool_bytes {
+        let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
                 let expected = plan.expected_fragments.max(self.needed) as f64 * POOL_MARGIN;
@@ -482,7 +455,7 @@ impl Resources {
             grow(gpu, links, label, wanted * 4, &mut self.generation)?;
         }
         let held = self.fragments_held(part).min(most);
-        self.capacity = if settings.pool_bytes.is_some() {
+        self.capacity = if pool_bytes.is_some() {
             wanted.min(held)
         } else {
             held
@@ -713,13 +686,7 @@ impl Resources {
             });
         }
         slot.bands = plan.bands.len() as u64;
-        slot.lists = matches!(
-            plan.transparency,
-            Transparency::ABuffer(ABuffer {
-                storage: Storage::Lists,
-                ..
-            })
-        );
+        slot.lists = plan.transparency.needs(0).fragments.linked();
         slot.capacity = self.capacity;
         slot.fills = if plan.shadows_only {
             0

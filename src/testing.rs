@@ -15,7 +15,7 @@ use crate::shadow::{
     approximated_deep_shadow_map, deep_opacity_map, opacity_shadow_maps, shadow_map,
 };
 use crate::transparency::{
-    ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
+    ABuffer, DbkBuffer, Opaque, Storage, Transparency, a_buffer, dbk_buffer, opaque, resolve_module,
 };
 
 /// A module that the crate can build.
@@ -98,6 +98,7 @@ pub fn combinations() -> Vec<Combination> {
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
+        .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS)
         .chain([
             &shadow_map::DEPTH,
@@ -117,10 +118,16 @@ pub fn combinations() -> Vec<Combination> {
         storage: Storage::Lists,
         ..Default::default()
     });
+    let by_shift = Transparency::DbkBuffer(DbkBuffer {
+        depth_shift: Some(1.0),
+        ..Default::default()
+    });
     for (name, technique) in [
         ("opaque", Transparency::Opaque(Opaque::default())),
         ("counted", counted),
         ("lists", lists),
+        ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
+        ("dbk_buffer by a shift", by_shift),
     ] {
         modules.push((
             format!("composite {name}"),
@@ -143,6 +150,9 @@ pub fn combinations() -> Vec<Combination> {
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
     ));
+    modules.push(("dbk_buffer depths".into(), dbk_buffer::depths_module()));
+    modules.push(("dbk_buffer drop".into(), dbk_buffer::drop_module()));
+    modules.push(("dbk_buffer pixels".into(), dbk_buffer::pixels_module()));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
@@ -263,7 +273,8 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, occluder_count, padding_0, lights, shadow_views, occluders,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, cut_depth, depth_shift,
+            occluder_count, padding_0, padding_1, padding_2, lights, shadow_views, occluders,
         }
         Occluder { clip_from_relative, light, pcf, bias, flags }
         Material { values }

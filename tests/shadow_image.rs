@@ -14,7 +14,7 @@ const SIZE: [u32; 2] = [64, 64];
 const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
 /// Where the wall stands, behind the hair.
 const WALL: f64 = -5.0;
-/// A texel is an eighth of a pixel, a fibre five of them: what is left is the filter at the fibres' rims. Measured 0.017.
+/// A texel is an eighth of a pixel, a fibre five of them: what is left is the filter at the fibres' rims. Measured 0.021.
 const RMSE: f64 = 0.03;
 
 fn hair(device: &mut Device) -> Hair {
@@ -135,7 +135,7 @@ fn a_shadow_image_holds_the_transmittance_towards_its_light() {
     let rmse = (squares.sum::<f64>() / exact.len() as f64).sqrt();
     let mean = exact.iter().sum::<f64>() / exact.len() as f64;
     eprintln!("shadow image: RMSE {rmse:.4}, mean of the exact {mean:.4}");
-    assert!(mean < 0.7 && alone[..sky].iter().all(|value| *value == 1.0));
+    assert!(mean < 0.85 && alone[..sky].iter().all(|value| *value == 1.0));
     assert!(rmse < RMSE, "{rmse}");
 
     // Together with the hair it is the same.

@@ -123,8 +123,13 @@ struct Frame {
     part_capacity: u32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
+    // DBK-buffer: optical depth beyond which nothing is stored, and the depth shift in host units where that decides.
+    cut_depth: f32,
+    depth_shift: f32,
     occluder_count: u32,
     padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
     occluders: array<Occluder, MAX_OCCLUDERS>,
