@@ -77,9 +77,9 @@ fn it_is_what_its_model_says() {
     }
 }
 
-/// Of the light that truly reaches the hair's points, with opacity and spacing of the library's own finding. The straight
-/// groom is a shell and its strands lie side by side: the same volume, but gaps and bunches.
-const BIAS: f64 = 0.3;
+/// How far the mean may be from that of the light that truly reaches the hair's points, with opacity and spacing of the
+/// library's own finding. Measured: 6 % above with straight strands, 3 % below with curly ones.
+const BIAS: f64 = 0.15;
 
 #[test]
 fn spacing_and_opacity_found_from_the_groom_give_about_the_right_mean() {

@@ -205,7 +205,7 @@ fn a_lone_strand_does_not_shadow_itself() {
         for angle in [90.0f64, 60.0, 30.0, 10.0] {
             let (sin, cos) = angle.to_radians().sin_cos();
             let kind = directional(DVec3::new(cos, 0.0, -sin));
-            let (lit, shadowed) = drawn(&mut device, &[&hair], kind, 512, size, view);
+            let (lit, shadowed) = drawn(&mut device, &[&hair], kind, 128, size, view);
             for (stem, image) in shadowed {
                 let left = sum(&image) / sum(&lit);
                 assert!(
