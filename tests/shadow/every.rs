@@ -345,11 +345,12 @@ fn a_million_fragments_in_one_texel_are_dark() {
     let view = pixel_view(size, 100.0);
     let mut points = vec![
         [-15.0, 0.25, -5.0],
+        [0.0, 0.25, -5.0],
         [15.0, 0.25, -5.0],
         [300.0, 300.0, 0.0],
         [300.0, 301.0, 0.0],
     ];
-    let mut counts = vec![2, 2];
+    let mut counts = vec![3, 2];
     for strand in 0..1_000 {
         let z = 5.0 + 0.001 * strand as f32;
         points.extend((0..1_025).map(|i| [if i % 2 == 0 { -2.0 } else { 2.0 }, 0.25, z]));
