@@ -17,15 +17,16 @@ use super::support::{OPAQUE, directional, draw, exact, image_of, light, modelled
 
 const DIRECTION: DVec3 = DVec3::new(-0.4, -0.8, -0.5);
 /// Decisions of yes or no: a texel's centre on a fibre's rim hangs on the last bit, and without a filter it is up to a whole
-/// point's light. Measured: RMSE 0.017, 99th percentile 0.066 with one texel.
+/// point's light; with one, so hangs where a bent fibre crosses the texels beside the point. Measured: RMSE 0.017, 99th
+/// percentile 0.066 with one texel; 0.0075 and 0.034 with 5×5.
 const DECISIONS: [Tolerance; 2] = [
     Tolerance {
         rmse: 2.5e-2,
         p99: 1e-1,
     },
     Tolerance {
-        rmse: 8e-3,
-        p99: 4e-2,
+        rmse: 1.2e-2,
+        p99: 5e-2,
     },
 ];
 
