@@ -72,8 +72,9 @@ fn it_is_what_its_model_says() {
     }
 }
 
-/// Opaque fibres, whose light is all or nothing: the filter's mean is then the light's, but for the filter's few samples. A
-/// map of the fibres that touch each texel, which an approximated deep shadow map of opacity 1 is, is far too dark.
+/// Opaque fibres, whose light is all or nothing: the filter's mean is then the light's, but for the filter's few samples. For
+/// comparison, a map of the fibres that touch each texel, which an approximated deep shadow map of opacity 1 is: with fibres as
+/// wide as texels, as here, it is about as far off (RMSE 0.0566 for 0.0555 with 5×5).
 #[test]
 fn of_opaque_fibres_its_error_falls_with_the_filter_and_the_mean_is_right() {
     let Some(mut device) = device() else { return };
@@ -126,5 +127,5 @@ fn of_opaque_fibres_its_error_falls_with_the_filter_and_the_mean_is_right() {
     });
     assert!(centres[1].0 < centres[0].0, "{centres:?}");
     assert!((centres[2].1 - 1.0).abs() < 0.2, "{centres:?}");
-    assert!(centres[2].0 < touched[2].0, "{centres:?}, {touched:?}");
+    assert!(touched[2].0 < touched[0].0, "{touched:?}");
 }
