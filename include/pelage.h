@@ -135,6 +135,12 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Chiang et al. 2016, d'Eon et al. 2011.
 #define PELAGE_SHADING_CHIANG 4
 
+// At strand points, once a view; a fragment's colour is interpolated along its segment.
+#define PELAGE_SHADING_RATE_POINT 0
+
+// At each fragment that the transparency technique keeps, at its own position.
+#define PELAGE_SHADING_RATE_FRAGMENT 1
+
 // Of the exact exit angle.
 #define PELAGE_ROOTS_EXACT 0
 
@@ -188,6 +194,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Every fragment stored, sorted and composited.
 #define PELAGE_TRANSPARENCY_A_BUFFER 1
+
+// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+#define PELAGE_TRANSPARENCY_DBK_BUFFER 10
 
 // The library chooses.
 #define PELAGE_RASTER_AUTO 0
@@ -283,6 +292,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Bytes of a label, its NUL included.
 #define PELAGE_LABEL_SIZE 96
+
+// `VK_QUEUE_FAMILY_IGNORED`: nothing changes hands.
+#define PELAGE_VULKAN_QUEUE_FAMILY_IGNORED 4294967295
 
 // The most extensions that are required of a device.
 #define PELAGE_VULKAN_MAX_EXTENSIONS 8
@@ -583,6 +595,12 @@ typedef struct PelageMarschner {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
 } PelageMarschner;
 
 // One lobe of Sadeghi's model.
@@ -625,6 +643,12 @@ typedef struct PelageSadeghi {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
 } PelageSadeghi;
 
 // Chiang et al. 2016, d'Eon et al. 2011.
@@ -655,6 +679,15 @@ typedef struct PelageChiang {
     float forward_density;
     // Density of hair around it, from 0 to 1.
     float backward_density;
+    // Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    float roughness_strand;
+    // The tip's roughness over the root's, from 0.1 to 10.
+    float roughness_tip;
+    // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    float lobe_tolerance;
+    // 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
+    // the mean over their width.
+    uint32_t near_field;
 } PelageChiang;
 
 // A shading model with its parameters.
@@ -673,6 +706,10 @@ typedef struct PelageShading {
     const struct PelageSadeghi *sadeghi;
     // For `PELAGE_SHADING_CHIANG`; NULL: as `PELAGE_CHIANG_INIT`.
     const struct PelageChiang *chiang;
+    // `PELAGE_SHADING_RATE_...`; the same for all hairs of a frame.
+    uint32_t rate;
+    // 0.
+    uint32_t reserved;
 } PelageShading;
 
 // Settings of the deep opacity map.
@@ -778,6 +815,21 @@ typedef struct PelageABuffer {
     uint64_t pool_bytes;
 } PelageABuffer;
 
+// Settings of the DBK-buffer.
+typedef struct PelageDbkBuffer {
+    // `sizeof(PelageDbkBuffer)`.
+    uint32_t struct_size;
+    // How much of a pixel's alpha, and of its culled hair's radiance, may be left out: from 1e-6 to 0.5.
+    float epsilon;
+    // Above 0: what lies farther than this behind the nearest fragment, in host units along the ray, is drawn as one opaque
+    // layer, and `epsilon` is not asked. 0: `epsilon` decides.
+    float depth_shift;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageDbkBuffer;
+
 // A transparency technique with its settings.
 typedef struct PelageTransparency {
     // `sizeof(PelageTransparency)`.
@@ -788,6 +840,8 @@ typedef struct PelageTransparency {
     const struct PelageOpaque *opaque;
     // For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     const struct PelageABuffer *a_buffer;
+    // For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
+    const struct PelageDbkBuffer *dbk_buffer;
 } PelageTransparency;
 
 // How a target is made.
@@ -975,7 +1029,7 @@ typedef void (*PelageVulkanLockCallback)(void *user);
 typedef struct PelageVulkanDevice {
     // `sizeof(PelageVulkanDevice)`.
     uint32_t struct_size;
-    // The family of the queue; the images' own family too.
+    // The family of the queue.
     uint32_t queue_family;
     // The queue's number within its family, as `vkGetDeviceQueue` takes it.
     uint32_t queue_index;
@@ -1000,28 +1054,14 @@ typedef struct PelageVulkanDevice {
     uint64_t byte_budget;
 } PelageVulkanDevice;
 
-// Positions in a buffer of the host's: three 32-bit floats a point, in the groom's own space, strand after strand, root first.
-typedef struct PelageVulkanPoints {
-    // `sizeof(PelageVulkanPoints)`.
-    uint32_t struct_size;
-    // `VkBufferUsageFlags`, as the buffer was made: with `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
-    uint32_t usage;
-    // `VkBuffer`, bound to memory.
-    PelageVkBuffer buffer;
-    // Its size in bytes, as it was made.
-    uint64_t size;
-    // Bytes before the first position, a multiple of 4.
-    uint64_t offset;
-    // Bytes from one position to the next: a multiple of 4, at least 12.
-    uint64_t stride;
-    // The lowest corner of a box around all points, and the curves through them, in the groom's own space. What lies outside
-    // the box is drawn, but its shadow may be cut off.
-    double low[3];
-    // The highest corner.
-    double high[3];
-} PelageVulkanPoints;
-
-// An image of the host's: 2D, of which the first layer and the first mip level are used.
+// An image of the host's: one layer and one mip level of a 2D image. The other ones are not touched, and neither are their
+// layouts.
+//
+// An image of `VK_SHARING_MODE_EXCLUSIVE` that another family of queues has used, or will use next, changes hands. Then the
+// submission acquires it in `layout_in` before all else, or releases it in `layout_out` in the end: one half of the transfer,
+// by a barrier of that layer and mip level, of all aspects of the format, whose old and new layout are the same. The host
+// records the other half with the same layouts, families and subresource on the other queue, and orders the two by a
+// semaphore.
 typedef struct PelageVulkanImage {
     // `sizeof(PelageVulkanImage)`.
     uint32_t struct_size;
@@ -1029,9 +1069,9 @@ typedef struct PelageVulkanImage {
     uint32_t format;
     // `VkImage`.
     PelageVkImage image;
-    // Width in pixels.
+    // Width in pixels of mip level 0.
     uint32_t width;
-    // Height in pixels.
+    // Height in pixels of mip level 0.
     uint32_t height;
     // `VkImageUsageFlags`, as the image was made. A colour needs `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`, a depth
     // `VK_IMAGE_USAGE_SAMPLED_BIT`, and `VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT` where it is written.
@@ -1043,6 +1083,20 @@ typedef struct PelageVulkanImage {
     uint32_t layout_in;
     // `VkImageLayout` in which the submission leaves it.
     uint32_t layout_out;
+    // `arrayLayers`, as the image was made.
+    uint32_t array_layers;
+    // `mipLevels`, as the image was made.
+    uint32_t mip_levels;
+    // The layer that is meant, below `array_layers`.
+    uint32_t layer;
+    // The mip level that is meant, below `mip_levels`.
+    uint32_t mip_level;
+    // The family of queues from which the submission acquires the image, as the host has released it there; the number of
+    // one of the device's families, `VK_QUEUE_FAMILY_EXTERNAL`, or `VK_QUEUE_FAMILY_FOREIGN_EXT` on a device that was made with
+    // `VK_EXT_queue_family_foreign`. The queue's own family and `PELAGE_VULKAN_QUEUE_FAMILY_IGNORED`: it is there already.
+    uint32_t owner_before;
+    // The family to which the submission releases the image, likewise.
+    uint32_t owner_after;
 } PelageVulkanImage;
 
 // A shadow map of the host's, by which its opaque scene shadows the hair from one light. Of several maps for one light the
@@ -1131,8 +1185,8 @@ typedef struct PelageVulkanSubmit {
     uint32_t struct_size;
     // The number of views, at most `PELAGE_VULKAN_MAX_VIEWS`; 0 for a submission of semaphores alone.
     uint32_t view_count;
-    // The views, drawn one after another. Where one image is in several, a view finds it in the layout in which the one
-    // before has left it.
+    // The views, drawn one after another. Where one layer and level of an image is in several, a view finds it in the layout
+    // in which the one before has left it, and with that owner.
     const struct PelageVulkanView *views;
     // The semaphores that the submission waits on, before any of its commands.
     const struct PelageVulkanSemaphore *waits;
@@ -1143,6 +1197,32 @@ typedef struct PelageVulkanSubmit {
     // The number of semaphores to signal, likewise.
     uint32_t signal_count;
 } PelageVulkanSubmit;
+
+// Positions in a buffer of the host's: three 32-bit floats a point, in the groom's own space, strand after strand, root first.
+typedef struct PelageVulkanPoints {
+    // `sizeof(PelageVulkanPoints)`.
+    uint32_t struct_size;
+    // `VkBufferUsageFlags`, as the buffer was made: with `VK_BUFFER_USAGE_STORAGE_BUFFER_BIT`.
+    uint32_t usage;
+    // `VkBuffer`, bound to memory.
+    PelageVkBuffer buffer;
+    // Its size in bytes, as it was made.
+    uint64_t size;
+    // Bytes before the first position, a multiple of 4.
+    uint64_t offset;
+    // Bytes from one position to the next: a multiple of 4, at least 12.
+    uint64_t stride;
+    // The lowest corner of a box around all points, and the curves through them, in the groom's own space. What lies outside
+    // the box is drawn, but its shadow may be cut off.
+    double low[3];
+    // The highest corner.
+    double high[3];
+    // The family of queues from which the whole buffer is acquired before it is read, as `PelageVulkanImage` has it: the
+    // host has released it there, with offset 0 and `VK_WHOLE_SIZE`.
+    uint32_t owner_before;
+    // The family to which it is released afterwards.
+    uint32_t owner_after;
+} PelageVulkanPoints;
 
 // A window of the host's, by its raw handles.
 typedef struct PelageWindow {
@@ -1339,7 +1419,7 @@ PelageResult pelage_hair_points(struct PelageHair hair,
 // has. Takes effect with the next frame rendered.
 //
 // Errors: another number of points; a position that is not finite; on the host's Vulkan device, an update of this hair by its
-// guides or by a buffer that no submission has taken yet (`PELAGE_CONFLICT`): render first.
+// guides or by a buffer that no submission has taken yet, or 16 updates of any kind (`PELAGE_CONFLICT`): render first.
 PelageResult pelage_hair_update_points(struct PelageHair hair,
                                        const float *positions,
                                        uint64_t point_count);
@@ -1351,7 +1431,7 @@ PelageResult pelage_hair_update_points(struct PelageHair hair,
 // The number of strands, and what was drawn by chance, stays as it was. `pelage_hair_points` is not told of the new positions.
 //
 // Errors: a hair that was not made by `pelage_hair_create_guided_...`; another number of points; a position that is not
-// finite; no memory.
+// finite; no memory; on the host's Vulkan device, 16 updates of this hair that no submission has taken yet (`PELAGE_CONFLICT`).
 PelageResult pelage_hair_update_guides(struct PelageHair hair,
                                        const float *positions,
                                        uint64_t point_count);
@@ -1381,7 +1461,7 @@ PelageResult pelage_hair_rest(struct PelageHair hair);
 // Sets the fibres' own opacity, from 0 to 1.
 PelageResult pelage_hair_set_opacity(struct PelageHair hair, float opacity);
 
-// Sets a hair's shading model.
+// Sets a hair's shading model, and where it is evaluated.
 PelageResult pelage_hair_set_shading(struct PelageHair hair, const struct PelageShading *shading);
 
 // Sets the shadow technique that a hair wishes for lights that name none; NULL: no wish. Where no hair has one, lights
@@ -1534,28 +1614,6 @@ PelageResult pelage_vulkan_requirements(const struct PelageVulkanInstance *insta
 PelageResult pelage_vulkan_context_create(const struct PelageVulkanDevice *device,
                                           struct PelageContext *context);
 
-// Moves a hair on the host's Vulkan device by positions in a buffer of the host's, in the host's order of strands. The next
-// `pelage_vulkan_render` of the context that succeeds reads them, before its views and after the semaphores that it waits
-// on; one of no views does too. Several updates of a hair happen in turn.
-//
-// In the queue's order a full barrier stands before the buffer is read and after: what the host submits to the same queue to
-// fill it, before or after, needs no semaphore. The buffer belongs to the queue's family (or is `CONCURRENT`), and it and its
-// memory stay valid until the GPU is done with that submission, or the context has been destroyed. It is never destroyed.
-//
-// A position that is not finite leaves its point where it was. `pelage_hair_points` is not told of the new positions.
-//
-// Errors: a buffer that is NULL, too small or without its usage; an offset, stride or box out of range; no memory; a context
-// with a device of its own (`PELAGE_UNSUPPORTED`).
-PelageResult pelage_vulkan_update_points(struct PelageHair hair,
-                                         const struct PelageVulkanPoints *points);
-
-// As `pelage_vulkan_update_points`, for the guides of a hair that remembers them: all strands follow. The box is that of the
-// guides; what stands out from them is added, as long as guides keep their length.
-//
-// Errors: those; a hair that was not made by `pelage_hair_create_guided_...`.
-PelageResult pelage_vulkan_update_guides(struct PelageHair hair,
-                                         const struct PelageVulkanPoints *points);
-
 // Records views of hair into the host's images and submits them to the host's queue, all at once. Does not wait for the
 // GPU, unless more than `PELAGE_VULKAN_MAX_VIEWS` views of the context are on their way.
 //
@@ -1570,6 +1628,31 @@ PelageResult pelage_vulkan_update_guides(struct PelageHair hair,
 // `PELAGE_OUT_OF_MEMORY` from the driver at the submission: the context is dead; destroy it.
 PelageResult pelage_vulkan_render(struct PelageContext context,
                                   const struct PelageVulkanSubmit *submit);
+
+// Moves a hair on the host's Vulkan device by positions in a buffer of the host's, in the host's order of strands. The next
+// `pelage_vulkan_render` of the context that succeeds reads them, before its views and after the semaphores that it waits
+// on; one of no views does too. Several updates of a hair happen in turn.
+//
+// In the queue's order a full barrier stands before the buffer is read and after: what the host submits to the same queue to
+// fill it, before or after, needs no semaphore. The buffer belongs to the queue's family, is `CONCURRENT`, or changes hands by
+// `owner_before` and `owner_after`; where several updates read one buffer, the first acquires it and the last releases it. It
+// and its memory stay valid until the GPU is done with that submission, or the context has been destroyed. It is never
+// destroyed.
+//
+// A position that is not finite leaves its point where it was. `pelage_hair_points` is not told of the new positions.
+//
+// Errors: a buffer that is NULL, too small or without its usage; an offset, stride, box or family out of range; no memory; 16
+// updates of this hair that no submission has taken yet (`PELAGE_CONFLICT`); a context with a device of its own
+// (`PELAGE_UNSUPPORTED`).
+PelageResult pelage_vulkan_update_points(struct PelageHair hair,
+                                         const struct PelageVulkanPoints *points);
+
+// As `pelage_vulkan_update_points`, for the guides of a hair that remembers them: all strands follow. The box is that of the
+// guides; what stands out from them is added, as long as guides keep their length.
+//
+// Errors: those; a hair that was not made by `pelage_hair_create_guided_...`.
+PelageResult pelage_vulkan_update_guides(struct PelageHair hair,
+                                         const struct PelageVulkanPoints *points);
 
 // Opens a device that can show its pictures in a window of the host's, and makes a context on it, which `*context`
 // receives. All functions that serve a context of `pelage_context_create` serve it too: render into a target, then
@@ -1638,7 +1721,8 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_OPACITY_SHADOW_MAPS_INIT { sizeof(PelageOpacityShadowMaps), 512, 64, 0.0f, 3, 0 }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
-#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 1, NULL, NULL }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 10, NULL, NULL, NULL }
+#define PELAGE_DBK_BUFFER_INIT { sizeof(PelageDbkBuffer), 0.00390625f, 0.0f, 0, 0 }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }
@@ -1647,9 +1731,9 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_VULKAN_INSTANCE_INIT { sizeof(PelageVulkanInstance), 0, NULL, NULL, 0, 0 }
 #define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }
 #define PELAGE_VULKAN_DEVICE_INIT { sizeof(PelageVulkanDevice), 0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0 }
-#define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0 }
+#define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 4294967295, 4294967295 }
 #define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL }
-#define PELAGE_VULKAN_POINTS_INIT { sizeof(PelageVulkanPoints), 0, 0, 0, 0, 12, { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } }
+#define PELAGE_VULKAN_POINTS_INIT { sizeof(PelageVulkanPoints), 0, 0, 0, 0, 12, { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 4294967295, 4294967295 }
 #define PELAGE_VULKAN_SEMAPHORE_INIT { sizeof(PelageVulkanSemaphore), 0, 0, 0 }
 #define PELAGE_VULKAN_SUBMIT_INIT { sizeof(PelageVulkanSubmit), 0, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_WINDOW_INIT { sizeof(PelageWindow), 0, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }

@@ -13,6 +13,7 @@
 #ifndef PELAGE_HPP
 #define PELAGE_HPP
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -193,11 +194,25 @@ public:
         PelageResult code = pelage_target_read_depth(get(), depths.data(), depths.size() * sizeof(float));
         return detail::outcome(code, [&] { return std::move(depths); });
     }
+    /* What the target was made with beside the colour, by PelageTargetDescriptor::outputs: clip depth of the nearest fibre, one
+     * float a pixel; */
+    Outcome<std::vector<float>> read_nearest_depth() const { return output<float>(PELAGE_OUTPUT_NEAREST_DEPTH, 1); }
+    /* the part of a pixel that hair covers, one float; */
+    Outcome<std::vector<float>> read_coverage() const { return output<float>(PELAGE_OUTPUT_COVERAGE, 1); }
+    /* motion on the screen in pixels, two floats; */
+    Outcome<std::vector<float>> read_motion() const { return output<float>(PELAGE_OUTPUT_MOTION, 2); }
+    /* hair with instance, and strand, two integers: PELAGE_NO_STRAND where there is none. */
+    Outcome<std::vector<uint32_t>> read_ids() const { return output<uint32_t>(PELAGE_OUTPUT_IDS, 2); }
     Outcome<Readback> begin_read_colour() const { return begin(pelage_readback_begin_colour); }
     Outcome<Readback> begin_read_depth() const { return begin(pelage_readback_begin_depth); }
 
 private:
     std::size_t pixel_count() const noexcept { return static_cast<std::size_t>(width_) * height_; }
+    template <class T> Outcome<std::vector<T>> output(uint32_t which, std::size_t each) const {
+        std::vector<T> values(pixel_count() * each);
+        PelageResult code = pelage_target_read_output(get(), which, values.data(), values.size() * sizeof(T));
+        return detail::outcome(code, [&] { return std::move(values); });
+    }
     Outcome<Readback> begin(PelageResult (*call)(PelageTarget, PelageReadback *)) const {
         PelageReadback readback{0};
         PelageResult code = call(get(), &readback);
@@ -206,6 +221,16 @@ private:
 
     uint32_t width_ = 0;
     uint32_t height_ = 0;
+};
+
+/* Sixteen numbers, column-major. */
+using Matrix = std::array<double, 16>;
+static_assert(sizeof(Matrix) == 16 * sizeof(double), "a row of matrices is a row of numbers");
+
+/* A copy of a hair: where it is, and where it was in the frame before. */
+struct Instance {
+    Matrix object_from_instance;
+    Matrix previous_object_from_instance;
 };
 
 /* A groom on the GPU. */
@@ -218,13 +243,51 @@ public:
         PelageResult code = pelage_hair_info(get(), &value);
         return detail::outcome(code, [&] { return value; });
     }
+    /* Three floats a point, as the CPU gave them last. */
+    Outcome<std::vector<float>> points() const {
+        PelageHairInfo has = PELAGE_HAIR_INFO_INIT;
+        PelageResult code = pelage_hair_info(get(), &has);
+        std::vector<float> positions(code == PELAGE_OK ? static_cast<std::size_t>(has.point_count) * 3 : 0);
+        if (code == PELAGE_OK) {
+            code = pelage_hair_points(get(), positions.data(), positions.size() * sizeof(float));
+        }
+        return detail::outcome(code, [&] { return std::move(positions); });
+    }
     /* Three floats a point. */
     Outcome<void> update_points(const std::vector<float> &positions) const {
         return check(pelage_hair_update_points(get(), positions.data(), positions.size() / 3));
     }
+    /* Three floats a point of the guides, of a hair that remembers them. */
+    Outcome<void> update_guides(const std::vector<float> &positions) const {
+        return check(pelage_hair_update_guides(get(), positions.data(), positions.size() / 3));
+    }
+    /* From a buffer of the host's, on its Vulkan device. */
+    Outcome<void> update_points(const PelageVulkanPoints &points) const {
+        return check(pelage_vulkan_update_points(get(), &points));
+    }
+    Outcome<void> update_guides(const PelageVulkanPoints &points) const {
+        return check(pelage_vulkan_update_guides(get(), &points));
+    }
+    /* The points have not moved since the frame before. */
+    Outcome<void> rest() const { return check(pelage_hair_rest(get())); }
     /* Sixteen doubles, column-major. */
     Outcome<void> set_transform(const double *world_from_object) const {
         return check(pelage_hair_set_transform(get(), world_from_object));
+    }
+    /* Where the hair was in the frame before; NULL for where it is. */
+    Outcome<void> set_previous_transform(const double *world_from_object) const {
+        return check(pelage_hair_set_previous_transform(get(), world_from_object));
+    }
+    /* Copies of the hair; none: the hair itself, once. */
+    Outcome<void> set_instances(const std::vector<Instance> &instances) const {
+        std::vector<Matrix> now, before;
+        for (const Instance &instance : instances) {
+            now.push_back(instance.object_from_instance);
+            before.push_back(instance.previous_object_from_instance);
+        }
+        return check(pelage_hair_set_instances(get(), now.empty() ? nullptr : now[0].data(),
+                                               before.empty() ? nullptr : before[0].data(),
+                                               static_cast<uint32_t>(instances.size())));
     }
     Outcome<void> set_opacity(float opacity) const { return check(pelage_hair_set_opacity(get(), opacity)); }
     Outcome<void> set_shading(const PelageShading &shading) const {
@@ -286,6 +349,18 @@ public:
     Outcome<Hair> clumps(const PelageStrands &guides, const PelageClumpSettings &settings) const {
         return hair([&](PelageHair *made) {
             return pelage_hair_create_interpolated_clumps(get(), &guides, &settings, made);
+        });
+    }
+
+    /* As the two above, of hair that remembers its guides for Hair::update_guides. */
+    Outcome<Hair> guided(const PelageStrands &guides, const PelageInterpolationSettings &settings) const {
+        return hair([&](PelageHair *made) {
+            return pelage_hair_create_guided_on_mesh(get(), &guides, &settings, made);
+        });
+    }
+    Outcome<Hair> guided_clumps(const PelageStrands &guides, const PelageClumpSettings &settings) const {
+        return hair([&](PelageHair *made) {
+            return pelage_hair_create_guided_clumps(get(), &guides, &settings, made);
         });
     }
 

@@ -2,7 +2,7 @@
 //! scene before it.
 
 use crate::error::Result;
-use crate::frame::{Outputs, Target};
+use crate::frame::Target;
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, RenderSpec};
 use crate::plan::{Band, Plan};
 use crate::resources::Bound;
@@ -28,7 +28,7 @@ pub(crate) fn clear(passes: &mut Passes, target: &Target) {
     if !target.clear {
         return;
     }
-    let view = target.colour.create_view(&Default::default());
+    let view = target.colour_surface().view(wgpu::TextureAspect::All);
     passes.encode("pelage.composite.clear", |encoder| {
         drop(begin(
             encoder,
@@ -80,7 +80,7 @@ pub(crate) fn receive(
         })],
         depth_stencil: None,
     })?;
-    let view = target.colour.create_view(&Default::default());
+    let view = target.colour_surface().view(wgpu::TextureAspect::All);
     passes.encode(label, |encoder| {
         let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, None);
         pass.set_pipeline(&pipeline);
@@ -133,7 +133,7 @@ pub(crate) fn shadow_images(
                 common(module, "fullscreen_vertex", "shadow_image_none", &[])
             }
         })?;
-        let view = wanted.image.create_view(&Default::default());
+        let view = wanted.surface().view(wgpu::TextureAspect::All);
         passes.encode(label, |encoder| {
             let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, None);
             pass.set_pipeline(&pipeline);
@@ -161,10 +161,12 @@ pub(crate) fn record(
 ) -> Result<()> {
     let label = "pelage.composite.resolve";
     let format = target.colour.format();
-    let depth = target.depth.filter(|_| target.write_depth);
+    let depth = target.depth_surface().filter(|_| target.write_depth);
+    let shader = plan.shader.of_fragments();
     let key = PipelineKey {
+        shading: shader,
         colour: Some(format),
-        depth: depth.map(|texture| texture.format()),
+        depth: depth.map(|depth| depth.format()),
         variant: (transparency::resolve_variant(&plan.transparency) * 2
             + u32::from(plan.reverse_z))
             * 4
@@ -177,7 +179,7 @@ pub(crate) fn record(
         wgpu::CompareFunction::LessEqual
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: transparency::resolve_module(&plan.transparency, plan.parts)
+        module: transparency::resolve_module(&plan.transparency, plan.parts, shader.as_ref())
             .and(&["common/fullscreen", "composite"]),
         vertex: "fullscreen_vertex",
         fragment: if depth.is_some() {
@@ -185,23 +187,31 @@ pub(crate) fn record(
         } else {
             "composite"
         },
-        groups: &[Group::Frame, Group::PixelsRead],
+        groups: match shader {
+            None => &[Group::Frame, Group::PixelsRead],
+            Some(_) => &[
+                Group::Frame,
+                Group::TablesRead,
+                Group::MapsRead,
+                Group::PixelsRead,
+            ],
+        },
         topology: wgpu::PrimitiveTopology::TriangleList,
         targets: vec![Some(wgpu::ColorTargetState {
             format,
             blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
             write_mask: wgpu::ColorWrites::ALL,
         })],
-        depth_stencil: depth.map(|texture| wgpu::DepthStencilState {
-            format: texture.format(),
+        depth_stencil: depth.map(|depth| wgpu::DepthStencilState {
+            format: depth.format(),
             depth_write_enabled: Some(true),
             depth_compare: Some(nearer),
             stencil: Default::default(),
             bias: Default::default(),
         }),
     })?;
-    let view = target.colour.create_view(&Default::default());
-    let depth_view = depth.map(|texture| texture.create_view(&Default::default()));
+    let view = target.colour_surface().view(wgpu::TextureAspect::All);
+    let depth_view = depth.map(|depth| depth.view(wgpu::TextureAspect::All));
     passes.encode(label, |encoder| {
         let mut pass = begin(
             encoder,
@@ -217,6 +227,10 @@ pub(crate) fn record(
             bound.frame_without_depth,
             &[0, band.drawings[0], plan.runs[0].material],
         );
+        if let Some(tables) = bound.tables_read {
+            pass.set_bind_group(1, tables, &[]);
+            pass.set_bind_group(2, bound.maps_read, &[]);
+        }
         pass.set_bind_group(3, bound.pixels_read, &[]);
         pass.draw(0..3, 0..1);
     });
@@ -251,14 +265,14 @@ pub(crate) fn outputs(
         return Ok(());
     }
     let label = "pelage.composite.outputs";
-    let formats = output_formats(&target.outputs);
+    let formats = output_formats(target);
     let key = PipelineKey {
         variant: (transparency::resolve_variant(&plan.transparency) * 4 + plan.parts) * 256
             + output_variant(&formats),
         ..PipelineKey::new(label)
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: transparency::resolve_module(&plan.transparency, plan.parts)
+        module: transparency::resolve_module(&plan.transparency, plan.parts, None)
             .and(&["common/fullscreen", "outputs"])
             .with("TRACKED", Constant::Bool(tracked)),
         vertex: "fullscreen_vertex",
@@ -296,7 +310,7 @@ pub(crate) fn outputs_none(
         return Ok(());
     }
     let label = "pelage.composite.outputs_none";
-    let formats = output_formats(&target.outputs);
+    let formats = output_formats(target);
     let key = PipelineKey {
         variant: output_variant(&formats) * 2 + u32::from(plan.reverse_z),
         ..PipelineKey::new(label)
@@ -321,9 +335,9 @@ pub(crate) fn outputs_none(
     Ok(())
 }
 
-fn output_formats(outputs: &Outputs) -> [Option<wgpu::TextureFormat>; 4] {
-    outputs
-        .images()
+fn output_formats(target: &Target) -> [Option<wgpu::TextureFormat>; 4] {
+    target
+        .output_surfaces()
         .map(|(_, image, _)| image.map(|image| image.format()))
 }
 
@@ -356,9 +370,8 @@ fn begin_outputs(
     draw: impl FnOnce(&mut wgpu::RenderPass),
 ) {
     let views = target
-        .outputs
-        .images()
-        .map(|(_, image, _)| image.map(|image| image.create_view(&Default::default())));
+        .output_surfaces()
+        .map(|(_, image, _)| image.map(|image| image.view(wgpu::TextureAspect::All)));
     let attachments = views.each_ref().map(|view| {
         view.as_ref().map(|view| wgpu::RenderPassColorAttachment {
             view,

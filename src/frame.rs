@@ -7,7 +7,9 @@ use crate::geometry::Hair;
 use crate::light::Light;
 use crate::occluder::Occluder;
 use crate::plan::Plan;
+use crate::raster::Rasteriser;
 use crate::resources::Resources;
+use crate::surface::{Subresource, Subresources, Surface};
 use crate::transparency::Transparency;
 use crate::view::View;
 use crate::{composite, geometry, gpu, shading, shadow, transparency};
@@ -51,6 +53,8 @@ pub struct Target<'a> {
     pub shadow_images: &'a [ShadowImage<'a>],
     /// Write `shadow_images` alone: no hair is drawn, and nothing else of the target is touched.
     pub shadows_only: bool,
+    /// Which layer and mip level of each image is meant.
+    pub subresources: Subresources,
 }
 
 /// An image of the hair's shadow from one light on the opaque scene.
@@ -63,6 +67,17 @@ pub struct ShadowImage<'a> {
     pub light: usize,
     /// `R32Float`, `R16Float`, `R8Unorm`, `Rgba16Float` or `Rgba8Unorm`, of the colour's size, usable as a render attachment.
     pub image: &'a wgpu::Texture,
+    /// Which layer and mip level of it is meant.
+    pub subresource: Subresource,
+}
+
+impl<'a> ShadowImage<'a> {
+    pub(crate) fn surface(&self) -> Surface<'a> {
+        Surface {
+            texture: self.image,
+            at: self.subresource,
+        }
+    }
 }
 
 /// The formats of shadow images.
@@ -93,31 +108,6 @@ pub struct Outputs<'a> {
 pub const NO_STRAND: u32 = u32::MAX;
 
 impl<'a> Outputs<'a> {
-    /// Name, image and formats of each output, in the order of the attachments.
-    pub(crate) fn images(
-        &self,
-    ) -> [(
-        &'static str,
-        Option<&'a wgpu::Texture>,
-        &'static [wgpu::TextureFormat],
-    ); 4] {
-        use wgpu::TextureFormat as Format;
-        [
-            ("nearest_depth", self.nearest_depth, &[Format::R32Float]),
-            (
-                "coverage",
-                self.coverage,
-                &[Format::R32Float, Format::R16Float, Format::R8Unorm],
-            ),
-            (
-                "motion",
-                self.motion,
-                &[Format::Rg32Float, Format::Rg16Float],
-            ),
-            ("ids", self.ids, &[Format::Rg32Uint]),
-        ]
-    }
-
     /// Whether anything is asked for, and whether that takes a record of each point.
     pub(crate) fn wanted(&self) -> (bool, bool) {
         let tracked = self.motion.is_some() || self.ids.is_some();
@@ -140,75 +130,116 @@ impl<'a> Target<'a> {
             occluders: &[],
             shadow_images: &[],
             shadows_only: false,
+            subresources: Subresources::default(),
         }
+    }
+
+    pub(crate) fn colour_surface(&self) -> Surface<'a> {
+        Surface {
+            texture: self.colour,
+            at: self.subresources.colour,
+        }
+    }
+
+    pub(crate) fn depth_surface(&self) -> Option<Surface<'a>> {
+        let at = self.subresources.depth;
+        self.depth.map(|texture| Surface { texture, at })
+    }
+
+    /// Name, image and formats of each output, in the order of the attachments.
+    pub(crate) fn output_surfaces(
+        &self,
+    ) -> [(
+        &'static str,
+        Option<Surface<'a>>,
+        &'static [wgpu::TextureFormat],
+    ); 4] {
+        use wgpu::TextureFormat as Format;
+        let (images, at) = (&self.outputs, &self.subresources);
+        let surface =
+            |texture: Option<&'a wgpu::Texture>, at| texture.map(|texture| Surface { texture, at });
+        [
+            (
+                "nearest_depth",
+                surface(images.nearest_depth, at.nearest_depth),
+                &[Format::R32Float],
+            ),
+            (
+                "coverage",
+                surface(images.coverage, at.coverage),
+                &[Format::R32Float, Format::R16Float, Format::R8Unorm],
+            ),
+            (
+                "motion",
+                surface(images.motion, at.motion),
+                &[Format::Rg32Float, Format::Rg16Float],
+            ),
+            ("ids", surface(images.ids, at.ids), &[Format::Rg32Uint]),
+        ]
     }
 
     /// Left, top, width and height of what the view fills.
     pub(crate) fn area(&self) -> [u32; 4] {
-        self.rectangle
-            .unwrap_or([0, 0, self.colour.width(), self.colour.height()])
+        let [width, height] = self.colour_surface().size();
+        self.rectangle.unwrap_or([0, 0, width, height])
     }
 
     pub(crate) fn validate(&self, device: &wgpu::Device) -> Result<()> {
-        let colour = self.colour;
-        texture_fits("colour", colour, wgpu::TextureUsages::RENDER_ATTACHMENT)?;
-        if colour
-            .format()
+        let colour = self.colour_surface();
+        colour.validate("colour", wgpu::TextureUsages::RENDER_ATTACHMENT)?;
+        let format = colour.format();
+        if format
             .sample_type(None, Some(device.features()))
             .is_none_or(|sample| !matches!(sample, wgpu::TextureSampleType::Float { .. }))
-            || colour.format().has_depth_aspect()
+            || format.has_depth_aspect()
         {
             return invalid!(
-                "the target's colour has the format {:?}, which holds no colour as floats",
-                colour.format()
+                "the target's colour has the format {format:?}, which holds no colour as floats"
             );
         }
-        let blendable = colour
-            .format()
-            .guaranteed_format_features(device.features())
-            .flags;
+        let blendable = format.guaranteed_format_features(device.features()).flags;
         if !blendable.contains(wgpu::TextureFormatFeatureFlags::BLENDABLE) {
             return Err(Error::Unsupported(format!(
-                "this device cannot blend into {:?}",
-                colour.format()
+                "this device cannot blend into {format:?}"
             )));
         }
+        let [whole_width, whole_height] = colour.size();
         let [left, top, width, height] = self.area();
         let fits = |first: u32, size: u32, all: u32| {
             size > 0 && first.checked_add(size).is_some_and(|end| end <= all)
         };
-        if !fits(left, width, colour.width()) || !fits(top, height, colour.height()) {
+        if !fits(left, width, whole_width) || !fits(top, height, whole_height) {
             return invalid!(
-                "the rectangle of {width}×{height} pixels at ({left}, {top}) is not within the target's {}×{}",
-                colour.width(),
-                colour.height()
+                "the rectangle of {width}×{height} pixels at ({left}, {top}) is not within the target's {whole_width}×{whole_height}"
             );
         }
         let names: Vec<String> = (0..self.shadow_images.len())
             .map(|number| format!("shadow image {number}"))
             .collect();
         let shadows = self.shadow_images.iter().zip(&names);
-        let shadows = shadows.map(|(shadow, name)| (&name[..], Some(shadow.image), SHADOW_IMAGES));
-        for (name, image, formats) in self.outputs.images().into_iter().chain(shadows) {
+        let shadows =
+            shadows.map(|(shadow, name)| (&name[..], Some(shadow.surface()), SHADOW_IMAGES));
+        let same_size = |name: &str, image: &Surface| {
+            let [width, height] = image.size();
+            if [width, height] != colour.size() {
+                return invalid!(
+                    "the target's {name} is {width}×{height}, its colour {whole_width}×{whole_height}"
+                );
+            }
+            Ok(())
+        };
+        for (name, image, formats) in self.output_surfaces().into_iter().chain(shadows) {
             let Some(image) = image else { continue };
-            texture_fits(name, image, wgpu::TextureUsages::RENDER_ATTACHMENT)?;
+            image.validate(name, wgpu::TextureUsages::RENDER_ATTACHMENT)?;
             if !formats.contains(&image.format()) {
                 return invalid!(
                     "the target's {name} has the format {:?}; possible are {formats:?}",
                     image.format()
                 );
             }
-            if (image.width(), image.height()) != (colour.width(), colour.height()) {
-                return invalid!(
-                    "the target's {name} is {}×{}, its colour {}×{}",
-                    image.width(),
-                    image.height(),
-                    colour.width(),
-                    colour.height()
-                );
-            }
+            same_size(name, &image)?;
         }
-        let Some(depth) = self.depth else {
+        let Some(depth) = self.depth_surface() else {
             if self.write_depth || self.receive_shadow {
                 return invalid!("write_depth and receive_shadow need a depth in the target");
             }
@@ -221,48 +252,15 @@ impl<'a> Target<'a> {
         if self.write_depth {
             usage |= wgpu::TextureUsages::RENDER_ATTACHMENT;
         }
-        texture_fits("depth", depth, usage)?;
+        depth.validate("depth", usage)?;
         if !depth.format().has_depth_aspect() {
             return invalid!(
                 "the target's depth has the format {:?}, which holds no depth",
                 depth.format()
             );
         }
-        if (depth.width(), depth.height()) != (colour.width(), colour.height()) {
-            return invalid!(
-                "the target's depth is {}×{}, its colour {}×{}",
-                depth.width(),
-                depth.height(),
-                colour.width(),
-                colour.height()
-            );
-        }
-        Ok(())
+        same_size("depth", &depth)
     }
-}
-
-/// Checks what colour and depth have in common.
-pub(crate) fn texture_fits(
-    name: &str,
-    texture: &wgpu::Texture,
-    usage: wgpu::TextureUsages,
-) -> Result<()> {
-    if texture.sample_count() != 1 {
-        return Err(Error::Unsupported(format!(
-            "the target's {name} has {} samples a pixel; resolve it first",
-            texture.sample_count()
-        )));
-    }
-    if texture.dimension() != wgpu::TextureDimension::D2 || texture.depth_or_array_layers() != 1 {
-        return invalid!("the target's {name} is not one 2D image");
-    }
-    if !texture.usage().contains(usage) {
-        return invalid!(
-            "the target's {name} lacks the usage {:?}",
-            usage - texture.usage()
-        );
-    }
-    Ok(())
 }
 
 /// The way of the data: every step one line, in this order; no step reaches back.
@@ -290,6 +288,16 @@ pub(crate) fn record(
             &map.drawings,
             plan,
         )?;
+        if map.rasteriser == Rasteriser::Walk {
+            geometry::order(
+                gpu,
+                passes,
+                &bound,
+                "pelage.shadow.order",
+                &map.drawings,
+                plan,
+            )?;
+        }
         shadow::record(gpu, passes, &bound, map, plan)?;
     }
     composite::shadow_images(gpu, passes, Some(&bound), plan, target)?;
@@ -306,6 +314,16 @@ pub(crate) fn record(
         &plan.bands[0].drawings,
         plan,
     )?;
+    if plan.rasteriser == Rasteriser::Walk {
+        geometry::order(
+            gpu,
+            passes,
+            &bound,
+            "pelage.geometry.order",
+            &plan.bands[0].drawings,
+            plan,
+        )?;
+    }
     geometry::track(gpu, passes, &bound, plan)?;
     for band in &plan.bands {
         transparency::count(gpu, passes, &bound, band, plan)?;

@@ -15,7 +15,7 @@ use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttribute
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::Module;
-use crate::shading::Shading;
+use crate::shading::{Shading, ShadingRate};
 use crate::shadow::Shadow;
 use crate::transparency::Transparency;
 
@@ -54,6 +54,8 @@ pub struct Hair {
     pub opacity: f32,
     /// The shading model.
     pub shading: Shading,
+    /// Where it is evaluated; the same for all hairs of a frame.
+    pub shading_rate: ShadingRate,
     /// The shadow technique that this hair wishes for lights that name none.
     pub shadow: Option<Shadow>,
     /// The transparency technique that this hair wishes for frames that name none.
@@ -81,14 +83,14 @@ pub(crate) struct Geometry {
     pub points: Allocation,
     pub attributes: Allocation,
     pub colours: Allocation,
-    /// The order in which the walk takes each run's segments; a run's begins where its points do.
-    pub segments: Allocation,
     pub runs: Vec<Run>,
     /// Points are stored relative to this position of the groom's own space.
     pub origin: DVec3,
     /// Half the extent of the box around all points, whose centre is `origin`.
     pub half_extent: DVec3,
     pub max_radius: f64,
+    /// The greatest channel of the strands' colours.
+    pub brightest: f32,
     /// Sum of all segments' lengths.
     pub length: f64,
     pub strand_count: u64,
@@ -103,6 +105,8 @@ pub(crate) struct Geometry {
     pub moved: bool,
     /// Whether the points are of the GPU's making, so that `strands` does not know them.
     pub gathered: bool,
+    /// On the host's Vulkan device: the submission before which updates were made last, and how many.
+    pub waiting: (u64, u32),
     /// Which of the host's points each point comes from, once that has been asked for.
     pub places: Option<Allocation>,
     /// The guides that it follows.
@@ -201,7 +205,6 @@ impl Geometry {
         let order = morton_order(strands);
         let pieces = curve_pieces(strands);
         let packed = pack(strands, &order, pieces, run_limit(gpu))?;
-        let segments = segment_order(&packed);
         let colours: Vec<[u32; 2]> = strands.colours().iter().map(|c| half_colour(*c)).collect();
         let buffer = |label, bytes: &[u8]| -> Result<Allocation> {
             let allocation = gpu.storage(label, bytes.len() as u64)?;
@@ -219,11 +222,15 @@ impl Geometry {
                 bytemuck::cast_slice(&packed.attributes),
             )?,
             colours: buffer("pelage.geometry.colours", bytemuck::cast_slice(&colours))?,
-            segments: buffer("pelage.geometry.segments", bytemuck::cast_slice(&segments))?,
             runs: packed.runs,
             origin: packed.origin,
             half_extent: packed.half_extent,
             max_radius: packed.max_radius,
+            brightest: strands
+                .colours()
+                .iter()
+                .flatten()
+                .fold(0.0, |a, c| a.max(*c)),
             length: packed.length,
             strand_count: strands.strand_count() as u64,
             segment_count: packed.segment_count,
@@ -233,6 +240,7 @@ impl Geometry {
             previous: None,
             moved: false,
             gathered: false,
+            waiting: (0, 0),
             places: None,
             guiding: None,
             density: OnceLock::new(),
@@ -386,48 +394,6 @@ fn pack(strands: &Strands, order: &[u32], pieces: u32, limit: usize) -> Result<P
     Ok(packed)
 }
 
-/// Strands whose segments are taken together.
-const SEGMENT_BLOCK: usize = 64;
-
-/// The order in which the walk takes segments: of a block of neighbouring strands first the ends, whose coverage is
-/// dearer, then the others along each strand. Invocations that run side by side then treat segments of like length and
-/// direction, and few of them wait for an end.
-fn segment_order(packed: &Packed) -> Vec<u32> {
-    let mut order = vec![0; packed.points.len()];
-    for run in &packed.runs {
-        let attributes = &packed.attributes[run.first as usize..(run.first + run.count) as usize];
-        let mut at = run.first as usize;
-        let mut block: Vec<(u32, u32)> = Vec::new();
-        let mut strands = 0;
-        for (index, point) in attributes.iter().enumerate() {
-            let (first, last) = (
-                point.strand & POINT_FIRST != 0,
-                point.strand & POINT_LAST != 0,
-            );
-            if !last {
-                let before_last = attributes[index + 1].strand & POINT_LAST != 0;
-                let class = match (first, before_last) {
-                    (true, _) => 0,
-                    (_, true) => 1,
-                    _ => 2,
-                };
-                block.push((class, index as u32));
-                continue;
-            }
-            strands += 1;
-            if strands == SEGMENT_BLOCK || index + 1 == attributes.len() {
-                block.sort_unstable();
-                for (_, index) in block.drain(..) {
-                    order[at] = index;
-                    at += 1;
-                }
-                strands = 0;
-            }
-        }
-    }
-    order
-}
-
 /// The turn of a cut curve's joints, in radians, that shows no corner.
 const SMOOTH_TURN: f64 = 0.3;
 /// Straight pieces of one curved segment at most.
@@ -544,6 +510,50 @@ pub(crate) fn project(
             pass.set_bind_group(1, &groups.project, &[]);
             let (x, y) = workgroups(run.run.count);
             pass.dispatch_workgroups(x, y, 1);
+        }
+    });
+    Ok(())
+}
+
+/// Puts every run's segments in the order in which a walk takes them, after a projection.
+pub(crate) fn order(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    label: &'static str,
+    drawings: &[u32],
+    plan: &Plan,
+) -> Result<()> {
+    let groups = [Group::Frame, Group::Order];
+    let mut pipelines = Vec::with_capacity(3);
+    for (variant, entry) in ["order_count", "order_scan", "order_place"]
+        .into_iter()
+        .enumerate()
+    {
+        let key = PipelineKey {
+            variant: variant as u32,
+            ..PipelineKey::new("pelage.geometry.order")
+        };
+        pipelines.push(gpu.compute(key, entry, &groups, || Module::new(&["common/order"]))?);
+    }
+    passes.encode(label, |encoder| {
+        encoder.clear_buffer(bound.order_counts, 0, None);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(label),
+            timestamp_writes: None,
+        });
+        for (step, pipeline) in pipelines.iter().enumerate() {
+            pass.set_pipeline(pipeline);
+            for ((run, drawing), groups) in plan.runs.iter().zip(drawings).zip(bound.runs) {
+                pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
+                pass.set_bind_group(1, &groups.order, &[]);
+                let (x, y) = if step == 1 {
+                    (1, 1)
+                } else {
+                    workgroups(run.run.count)
+                };
+                pass.dispatch_workgroups(x, y, 1);
+            }
         }
     });
     Ok(())

@@ -8,6 +8,7 @@ use std::time::Instant;
 use crate::error::{Error, Result};
 use crate::raster::Rasteriser;
 use crate::shader::Module;
+use crate::shading::Shader;
 use crate::statistics::PassTime;
 
 /// The kinds of bind groups. Their numbers in WGSL: frame 0, geometry 1, shadow maps 2, pixels 3.
@@ -16,11 +17,13 @@ pub(crate) enum Group {
     Frame,
     HostTiles,
     Project,
+    Order,
     Segments,
     Shade,
     Track,
     PointOutputs,
     TablesWritten,
+    TablesRead,
     Gather,
     Guided,
     MapsWritten,
@@ -30,15 +33,17 @@ pub(crate) enum Group {
     Occluders,
 }
 
-const GROUPS: [Group; 15] = [
+const GROUPS: [Group; 17] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
+    Group::Order,
     Group::Segments,
     Group::Shade,
     Group::Track,
     Group::PointOutputs,
     Group::TablesWritten,
+    Group::TablesRead,
     Group::Gather,
     Group::Guided,
     Group::MapsWritten,
@@ -57,11 +62,13 @@ impl Group {
             Self::Frame => 0,
             Self::HostTiles
             | Self::Project
+            | Self::Order
             | Self::Segments
             | Self::Shade
             | Self::Track
             | Self::PointOutputs
             | Self::TablesWritten
+            | Self::TablesRead
             | Self::Gather
             | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
@@ -115,6 +122,9 @@ impl Group {
             Self::Project => (0..4)
                 .map(|binding| storage(binding, Stages::COMPUTE, binding != 2))
                 .collect(),
+            Self::Order => (0..3)
+                .map(|binding| storage(binding, Stages::COMPUTE, binding == 0))
+                .collect(),
             Self::Segments => (0..2)
                 .map(|binding| storage(binding, raster | Stages::VERTEX, true))
                 .collect(),
@@ -126,6 +136,7 @@ impl Group {
                 .collect(),
             Self::PointOutputs => vec![storage(0, Stages::FRAGMENT, true)],
             Self::TablesWritten => vec![storage(0, Stages::COMPUTE, false)],
+            Self::TablesRead => vec![storage(0, Stages::FRAGMENT, true)],
             Self::Gather => std::iter::once(uniform(0, false))
                 .chain((1..5).map(|binding| storage(binding, Stages::COMPUTE, binding < 4)))
                 .collect(),
@@ -222,6 +233,8 @@ pub(crate) struct PipelineKey {
     pub rasteriser: Option<Rasteriser>,
     pub colour: Option<wgpu::TextureFormat>,
     pub depth: Option<wgpu::TextureFormat>,
+    /// The shading model, where fragments are shaded.
+    pub shading: Option<Shader>,
     pub variant: u32,
 }
 
@@ -232,6 +245,7 @@ impl PipelineKey {
             rasteriser: None,
             colour: None,
             depth: None,
+            shading: None,
             variant: 0,
         }
     }

@@ -24,6 +24,13 @@ pub const POINT_STRAND: u32 = 0x3fff_ffff;
 pub const HOST_TILE: u32 = 4;
 /// Words a pixel of the overflow buffer; `OVERFLOW_WORDS` in WGSL.
 pub const OVERFLOW_WORDS: u64 = 7;
+/// Vectors of a hair's shading parameters; the same in WGSL.
+pub const MATERIAL_VECTORS: usize = 16;
+/// Vectors of a point, and of a run, in the pool of per-fragment shading; the same in WGSL.
+pub const FIBRE_POINT_VECTORS: u64 = 2;
+pub const FIBRE_RUN_VECTORS: u64 = 17;
+/// Keys by which segments are ordered; `ORDER_KEYS` in WGSL.
+pub const ORDER_KEYS: u64 = 2048;
 /// Pixels that one workgroup of the scan treats; `SCAN_BLOCK` in WGSL.
 pub const SCAN_BLOCK: u32 = 2048;
 
@@ -53,8 +60,12 @@ pub struct Drawing {
     pub clip_from_object: [[f32; 4]; 4],
     pub previous_clip_from_object: [[f32; 4]; 4],
     pub jitter_motion: [f32; 2],
+    pub fibre_run: u32,
+    pub fibre_run_number: u32,
+    pub largest_radius: f32,
     pub padding_0: u32,
     pub padding_1: u32,
+    pub padding_2: u32,
 }
 
 #[repr(C)]
@@ -115,10 +126,10 @@ pub struct Frame {
     pub origin: [u32; 2],
     pub cut_depth: f32,
     pub depth_shift: f32,
+    pub fibre_runs: u32,
     pub occluder_count: u32,
     pub padding_0: u32,
     pub padding_1: u32,
-    pub padding_2: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
     pub occluders: [Occluder; MAX_OCCLUDERS],
@@ -127,7 +138,7 @@ pub struct Frame {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct Material {
-    pub values: [[f32; 4]; 16],
+    pub values: [[f32; 4]; MATERIAL_VECTORS],
 }
 
 #[repr(C)]

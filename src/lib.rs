@@ -21,6 +21,7 @@ mod shader;
 pub mod shading;
 pub mod shadow;
 mod statistics;
+mod surface;
 #[doc(hidden)]
 pub mod testing;
 pub mod transparency;
@@ -37,5 +38,6 @@ pub use occluder::Occluder;
 pub use raster::Raster;
 pub use renderer::Renderer;
 pub use statistics::{Fragments, PassTime, Statistics};
+pub use surface::{Subresource, Subresources};
 pub use view::{PreviousView, View};
 pub use wgpu;

@@ -4,6 +4,7 @@ use glam::DMat4;
 
 use crate::error::{Error, Result, invalid};
 use crate::layout::{self, MAX_OCCLUDERS};
+use crate::surface::{Subresource, Surface};
 
 /// A shadow map of the host's, that shadows the hair from one light.
 ///
@@ -15,6 +16,8 @@ pub struct Occluder<'a> {
     pub light: usize,
     /// The depth of the opaque scene as the light sees it: single-sampled, 2D, usable as a texture.
     pub depth: &'a wgpu::Texture,
+    /// Which layer and mip level of it is meant.
+    pub subresource: Subresource,
     /// The clip space of that depth, 0 to 1, from world space. Can be inverted.
     pub clip_from_world: DMat4,
     /// Clip depth 1 is near and 0 far.
@@ -50,9 +53,8 @@ impl Occluder<'_> {
         if !matches!(self.pcf, 1 | 3 | 5) {
             return invalid!("occluder {number}: pcf {} is not 1, 3 or 5", self.pcf);
         }
-        crate::frame::texture_fits(
+        self.surface().validate(
             &format!("occluder {number}"),
-            self.depth,
             wgpu::TextureUsages::TEXTURE_BINDING,
         )?;
         if !self.depth.format().has_depth_aspect() {
@@ -62,6 +64,13 @@ impl Occluder<'_> {
             );
         }
         Ok(())
+    }
+
+    pub(crate) fn surface(&self) -> Surface<'_> {
+        Surface {
+            texture: self.depth,
+            at: self.subresource,
+        }
     }
 
     /// As the shaders have it, with positions relative to an origin.

@@ -44,6 +44,7 @@ impl Renderer {
             world_from_object: glam::DMat4::IDENTITY,
             opacity: 1.0,
             shading: Default::default(),
+            shading_rate: Default::default(),
             shadow: None,
             transparency: None,
             previous_world_from_object: None,

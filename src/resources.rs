@@ -7,10 +7,12 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, MAX_OCCLUDERS, PointOutput, Projected};
+use crate::layout::{Counters, MAX_OCCLUDERS, ORDER_KEYS, PointOutput, Projected};
+use crate::occluder::Occluder;
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
-use crate::shading::tables;
+use crate::shading::{ShadingRate, tables, transmission};
+use crate::surface::{Subresource, Surface};
 use crate::transparency::Fragments;
 use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 
@@ -56,15 +58,16 @@ struct Slot {
     fills: u64,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
-    depth: Option<wgpu::Texture>,
+    depth: Option<(wgpu::Texture, Subresource)>,
     /// The host's shadow maps, and what binds them.
-    occluding: Vec<wgpu::Texture>,
+    occluding: Vec<(wgpu::Texture, Subresource)>,
     occluders: Option<wgpu::BindGroup>,
 }
 
 /// One run's bind groups.
 pub(crate) struct RunGroups {
     pub project: wgpu::BindGroup,
+    pub order: wgpu::BindGroup,
     pub segments: wgpu::BindGroup,
     pub shade: wgpu::BindGroup,
     /// Where an output asks for it.
@@ -75,10 +78,13 @@ pub(crate) struct RunGroups {
 struct Groups {
     serials: Vec<u64>,
     generation: u64,
+    rate: ShadingRate,
     tracked: bool,
     point_outputs: wgpu::BindGroup,
     tables: u64,
     tables_written: Option<wgpu::BindGroup>,
+    /// Where fragments are shaded.
+    tables_read: Option<wgpu::BindGroup>,
     runs: Vec<RunGroups>,
     host_tiles: wgpu::BindGroup,
     maps_written: wgpu::BindGroup,
@@ -95,6 +101,8 @@ pub(crate) struct Bound<'a> {
     pub host_tiles: &'a wgpu::BindGroup,
     /// The shading models' tables, where they are still to be filled.
     pub tables: Option<&'a wgpu::BindGroup>,
+    /// The same, where fragments are shaded and read them.
+    pub tables_read: Option<&'a wgpu::BindGroup>,
     pub maps_written: &'a wgpu::BindGroup,
     pub maps_read: &'a wgpu::BindGroup,
     /// Where the host has shadow maps.
@@ -104,6 +112,7 @@ pub(crate) struct Bound<'a> {
     pub pixels_read: &'a wgpu::BindGroup,
     pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
+    pub order_counts: &'a wgpu::Buffer,
     /// A copy of the counters, for the arguments in them.
     pub arguments: &'a wgpu::Buffer,
     returned: &'a Allocation,
@@ -168,11 +177,16 @@ pub(crate) struct Returned {
 /// Pools, ring and bind groups.
 pub(crate) struct Resources {
     projected: Allocation,
+    /// The order of every run's segments, and its keys' counts.
+    order: Allocation,
+    order_counts: Allocation,
     shaded: Allocation,
+    fibre_points: Allocation,
     point_outputs: Allocation,
     host_tiles: Allocation,
     maps: Allocation,
     tables: tables::Held,
+    bounds: transmission::Bounds,
     pixels: Pixels,
     arguments: Allocation,
     generation: u64,
@@ -192,14 +206,6 @@ fn part(allocation: &Allocation, first: u64, count: u64, each: u64) -> wgpu::Bin
         buffer: &allocation.buffer,
         offset: first * each,
         size: std::num::NonZeroU64::new(count.max(1) * each),
-    })
-}
-
-/// What a depth texture's depth is bound by.
-fn depth_view(depth: &wgpu::Texture) -> wgpu::TextureView {
-    depth.create_view(&wgpu::TextureViewDescriptor {
-        aspect: wgpu::TextureAspect::DepthOnly,
-        ..Default::default()
     })
 }
 
@@ -247,11 +253,15 @@ impl Resources {
             .collect::<Result<Vec<_>>>()?;
         Ok(Self {
             projected: empty("pelage.geometry.projected")?,
+            order: empty("pelage.geometry.order")?,
+            order_counts: empty("pelage.geometry.order_counts")?,
             shaded: empty("pelage.shading.points")?,
+            fibre_points: empty("pelage.shading.fibre_points")?,
             point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
             tables: tables::Held::default(),
+            bounds: transmission::Bounds::default(),
             pixels: Pixels {
                 counters: empty("pelage.counters")?,
                 fill: empty("pelage.transparency.fill")?,
@@ -304,6 +314,7 @@ impl Resources {
         if plan.runs.is_empty() {
             return Ok(());
         }
+        plan.leave_out_transmission(&mut self.bounds);
         self.tables.hold(gpu, plan)?;
         for hair in 0..plan.shadings.len() {
             let place = self.tables.place(&plan.shadings[hair]);
@@ -320,6 +331,7 @@ impl Resources {
         let key_matches = self.groups.as_ref().is_some_and(|groups| {
             groups.generation == self.generation
                 && groups.serials == plan.serials
+                && groups.rate == plan.shader.rate
                 && (groups.tracked || !plan.tracked)
                 && groups.tables == self.tables.serial()
         });
@@ -343,11 +355,34 @@ impl Resources {
         )?;
         grow(
             gpu,
-            &mut self.shaded,
-            "pelage.shading.points",
-            points * 8,
+            &mut self.order,
+            "pelage.geometry.order",
+            points * 4,
             generation,
         )?;
+        grow(
+            gpu,
+            &mut self.order_counts,
+            "pelage.geometry.order_counts",
+            plan.runs.len() as u64 * ORDER_KEYS * 4,
+            generation,
+        )?;
+        match plan.shader.rate {
+            ShadingRate::Point => grow(
+                gpu,
+                &mut self.shaded,
+                "pelage.shading.points",
+                points * 8,
+                generation,
+            )?,
+            ShadingRate::Fragment => grow(
+                gpu,
+                &mut self.fibre_points,
+                "pelage.shading.fibre_points",
+                plan.fibre_point_bytes(),
+                generation,
+            )?,
+        }
         if plan.tracked {
             grow(
                 gpu,
@@ -520,10 +555,15 @@ impl Resources {
     }
 
     fn bind(&self, gpu: &Gpu, frame: &Frame, plan: &Plan) -> Groups {
+        let shaded = match plan.shader.rate {
+            ShadingRate::Point => &self.shaded,
+            ShadingRate::Fragment => &self.fibre_points,
+        };
         let runs = plan
             .runs
             .iter()
-            .map(|run| {
+            .enumerate()
+            .map(|(number, run)| {
                 let geometry = &frame.hairs[run.hair].geometry;
                 let (first, base, count) = (
                     u64::from(run.run.first),
@@ -548,7 +588,21 @@ impl Resources {
                     segments: gpu.bind(
                         "pelage.segments",
                         Group::Segments,
-                        &[projected(), part(&geometry.segments, first, count, 4)],
+                        &[projected(), part(&self.order, base, count, 4)],
+                    ),
+                    order: gpu.bind(
+                        "pelage.order",
+                        Group::Order,
+                        &[
+                            projected(),
+                            part(&self.order, base, count, 4),
+                            part(
+                                &self.order_counts,
+                                number as u64 * ORDER_KEYS,
+                                ORDER_KEYS,
+                                4,
+                            ),
+                        ],
                     ),
                     shade: gpu.bind(
                         "pelage.shade",
@@ -558,7 +612,7 @@ impl Resources {
                             attributes(),
                             geometry.colours.binding(),
                             projected(),
-                            self.shaded.binding(),
+                            shaded.binding(),
                             // Models without tables read none: anything will do.
                             self.tables.buffer().unwrap_or(&geometry.colours).binding(),
                         ],
@@ -591,7 +645,7 @@ impl Resources {
             &pool.fragments[1],
             &pool.fragments[2],
             &pool.overflow,
-            &self.shaded,
+            shaded,
         ]
         .into_iter()
         .map(Allocation::binding)
@@ -599,6 +653,7 @@ impl Resources {
         Groups {
             serials: plan.serials.clone(),
             generation: self.generation,
+            rate: plan.shader.rate,
             tracked: plan.tracked,
             point_outputs: gpu.bind(
                 "pelage.point_outputs",
@@ -610,6 +665,15 @@ impl Resources {
                 gpu.bind(
                     "pelage.shading.tables",
                     Group::TablesWritten,
+                    &[buffer.binding()],
+                )
+            }),
+            tables_read: plan.shader.of_fragments().map(|_| {
+                // Models without tables read none: anything will do.
+                let buffer = self.tables.buffer().unwrap_or(&self.projected);
+                gpu.bind(
+                    "pelage.shading.tables_read",
+                    Group::TablesRead,
                     &[buffer.binding()],
                 )
             }),
@@ -643,9 +707,14 @@ impl Resources {
             return Ok(());
         };
         gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
-        if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
-            let bind = |depth: &wgpu::Texture| {
-                let view = depth_view(depth);
+        let depth = target.depth_surface();
+        let held = slot
+            .depth
+            .as_ref()
+            .map(|(texture, at)| Surface { texture, at: *at });
+        if stale || slot.frame.is_none() || held != depth {
+            let bind = |depth: Surface| {
+                let view = depth.view(wgpu::TextureAspect::DepthOnly);
                 let block = |size: usize| {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &uniforms.buffer,
@@ -664,19 +733,31 @@ impl Resources {
                     ],
                 )
             };
-            slot.frame = Some(bind(target.depth.unwrap_or(&self.no_depth)));
-            slot.frame_without_depth = Some(bind(&self.no_depth));
-            slot.depth = target.depth.cloned();
+            let none = Surface {
+                texture: &self.no_depth,
+                at: Subresource::default(),
+            };
+            slot.frame = Some(bind(depth.unwrap_or(none)));
+            slot.frame_without_depth = Some(bind(none));
+            slot.depth = depth.map(|depth| (depth.texture.clone(), depth.at));
         }
-        let given = target.occluders.iter().map(|occluder| occluder.depth);
-        if !slot.occluding.iter().eq(given.clone()) {
-            slot.occluding = given.cloned().collect();
+        let given = target.occluders.iter().map(Occluder::surface);
+        let held = slot.occluding.iter();
+        let held = held.map(|(texture, at)| Surface { texture, at: *at });
+        if !held.eq(given.clone()) {
+            slot.occluding = given
+                .clone()
+                .map(|map| (map.texture.clone(), map.at))
+                .collect();
             slot.occluders = (!slot.occluding.is_empty()).then(|| {
-                let maps = slot.occluding.iter();
-                let views: Vec<_> = maps
-                    .chain(std::iter::repeat(&self.no_depth))
+                let none = Surface {
+                    texture: &self.no_depth,
+                    at: Subresource::default(),
+                };
+                let views: Vec<_> = given
+                    .chain(std::iter::repeat(none))
                     .take(MAX_OCCLUDERS)
-                    .map(depth_view)
+                    .map(|map| map.view(wgpu::TextureAspect::DepthOnly))
                     .collect();
                 let views: Vec<_> = views
                     .iter()
@@ -709,12 +790,14 @@ impl Resources {
             runs: &groups.runs,
             host_tiles: &groups.host_tiles,
             tables: groups.tables_written.as_ref().filter(|_| slot.fills > 0),
+            tables_read: groups.tables_read.as_ref(),
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
             occluders: slot.occluders.as_ref(),
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             point_outputs: &groups.point_outputs,
+            order_counts: &self.order_counts.buffer,
             pixels: &self.pixels,
             attachment: self
                 .attachment

@@ -8,7 +8,8 @@ use crate::composite;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
-    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, points_module, tables,
+    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shader, Shading, ShadingRate,
+    gather_module, tables, transmission,
 };
 use crate::shadow::{
     ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
@@ -75,8 +76,8 @@ pub fn light_map(frame: &crate::Frame, light: usize) -> Option<LightMap> {
 
 /// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
 pub fn shading_source(shading: &Shading) -> String {
-    Module::new(&["shadow/none", "shading/fibre_type"])
-        .and(shading.points().1)
+    Shader::of(shading, ShadingRate::Fragment)
+        .functions()
         .join()
         .source
 }
@@ -90,6 +91,28 @@ pub fn tables_source(shading: &Shading) -> String {
 pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) {
     let (places, words, size) = tables::lay_out(&[*shading], ambient);
     (places[0], words, size)
+}
+
+/// The bound of a model's TT lobe with no light further from the eye's direction than this; `None` where it is never left out.
+pub fn transmission_bound(shading: &Shading, angle: f64) -> Option<f32> {
+    let tolerant = match *shading {
+        Shading::Marschner(model) => Shading::Marschner(Marschner {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        Shading::Sadeghi(model) => Shading::Sadeghi(Sadeghi {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        Shading::Chiang(model) => Shading::Chiang(Chiang {
+            lobe_tolerance: 1.0,
+            ..model
+        }),
+        other => other,
+    };
+    let (lobe, _) = tolerant.transmission()?;
+    let bound = transmission::Bounds::default().of(&lobe).to_owned();
+    Some(transmission::look_up(&bound, angle))
 }
 
 /// Every module that the crate can build.
@@ -107,10 +130,12 @@ pub fn combinations() -> Vec<Combination> {
         ]);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
-            modules.push((
-                format!("{} {rasteriser}", emission.label),
-                emission.module(rasteriser, 3),
-            ));
+            for rate in [ShadingRate::Point, ShadingRate::Fragment] {
+                modules.push((
+                    format!("{} {rasteriser}, shaded by {rate:?}", emission.label),
+                    emission.module(rasteriser, 3, rate),
+                ));
+            }
         }
     }
     let counted = Transparency::ABuffer(ABuffer::default());
@@ -122,21 +147,22 @@ pub fn combinations() -> Vec<Combination> {
         depth_shift: Some(1.0),
         ..Default::default()
     });
-    for (name, technique) in [
+    let techniques = [
         ("opaque", Transparency::Opaque(Opaque::default())),
         ("counted", counted),
         ("lists", lists),
         ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
         ("dbk_buffer by a shift", by_shift),
-    ] {
+    ];
+    for (name, technique) in techniques {
         modules.push((
             format!("composite {name}"),
-            resolve_module(&technique, 3).and(&["common/fullscreen", "composite"]),
+            resolve_module(&technique, 3, None).and(&["common/fullscreen", "composite"]),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
-                resolve_module(&technique, 3)
+                resolve_module(&technique, 3, None)
                     .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
@@ -146,6 +172,7 @@ pub fn combinations() -> Vec<Combination> {
         "project".into(),
         Module::new(&["common/pixels", "common/project"]),
     ));
+    modules.push(("order".into(), Module::new(&["common/order"])));
     modules.push((
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
@@ -159,14 +186,20 @@ pub fn combinations() -> Vec<Combination> {
     }
     for shadow in shadows() {
         for model in models() {
+            let shader = Shader {
+                shadow: shadow.look_up(),
+                one_material: shadow != Shadow::None,
+                ..Shader::of(&model, ShadingRate::Fragment)
+            };
+            let name = format!("{}, shadow {}", model.stem(), shadow.stem());
             for occluded in [false, true] {
-                let name = format!(
-                    "points {}, shadow {}, occluded {occluded}",
-                    model.stem(),
-                    shadow.stem()
-                );
-                let module = points_module(&shadow, occluded, model.points().1);
-                modules.push((name, module));
+                let module = Shader { occluded, ..shader }.points_module();
+                modules.push((format!("points {name}, occluded {occluded}"), module));
+            }
+            for (technique_name, technique) in &techniques {
+                let module = resolve_module(technique, 3, Some(&shader))
+                    .and(&["common/fullscreen", "composite"]);
+                modules.push((format!("composite {technique_name}, {name}"), module));
             }
         }
     }
@@ -180,6 +213,7 @@ pub fn combinations() -> Vec<Combination> {
             shadow.module().and(composite::SHADOW_IMAGE),
         ));
     }
+    modules.push(("fibre_points".into(), gather_module()));
     for model in models().iter().filter(|model| model.tables().is_some()) {
         let name = format!("tables {}", model.stem());
         modules.push((name, tables::module(model.points().1)));
@@ -264,8 +298,8 @@ pub fn layouts() -> Vec<Layout> {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, front_shift, row_first, row_end,
-            segment_count, hair, map_values, clip_from_object, previous_clip_from_object, jitter_motion, padding_0,
-            padding_1,
+            segment_count, hair, map_values, clip_from_object, previous_clip_from_object, jitter_motion, fibre_run,
+            fibre_run_number, largest_radius, padding_0, padding_1, padding_2,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, bias, cos_outer, edge,
@@ -273,8 +307,9 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, cut_depth, depth_shift,
-            occluder_count, padding_0, padding_1, padding_2, lights, shadow_views, occluders,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
+            part_capacity, origin, cut_depth, depth_shift, fibre_runs, occluder_count, padding_0, padding_1, lights,
+            shadow_views, occluders,
         }
         Occluder { clip_from_relative, light, pcf, bias, flags }
         Material { values }
@@ -311,6 +346,10 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("NO_PLACE", layout::NO_PLACE),
         ("OVERFLOW_WORDS", layout::OVERFLOW_WORDS as u32),
         ("SCAN_BLOCK", layout::SCAN_BLOCK),
+        ("MATERIAL_VECTORS", layout::MATERIAL_VECTORS as u32),
+        ("FIBRE_POINT_VECTORS", layout::FIBRE_POINT_VECTORS as u32),
+        ("FIBRE_RUN_VECTORS", layout::FIBRE_RUN_VECTORS as u32),
+        ("ORDER_KEYS", layout::ORDER_KEYS as u32),
     ]
 }
 

@@ -16,5 +16,6 @@ mod shaders;
 mod shading;
 mod shadow;
 mod shadow_image;
+mod subresources;
 mod transparency;
 mod wgpu_host;

@@ -5,7 +5,7 @@ use pelage::groom::{BuiltinGroom, builtin};
 use pelage::raster::Raster;
 use pelage::shadow::Shadow;
 use pelage::transparency::{Opaque, Transparency};
-use pelage::{Frame, Light, Occluder, Target};
+use pelage::{Frame, Light, Occluder, Subresource, Target};
 use pelage_reference::composite::{self, Image};
 use pelage_reference::error::colour_error;
 use pelage_reference::scene::{Camera, look_at};
@@ -110,6 +110,7 @@ fn check(device: &mut Device, light: Light, camera: Camera, centre: DVec3) {
         let occluder = Occluder {
             light: 0,
             depth: map,
+            subresource: Default::default(),
             clip_from_world: if reversed {
                 turned * clip_from_world
             } else {
@@ -173,6 +174,7 @@ fn occluders_out_of_range_are_named() {
     let good = Occluder {
         light: 0,
         depth: image.depth.as_ref().unwrap(),
+        subresource: Default::default(),
         clip_from_world: DMat4::IDENTITY,
         reverse_z: false,
         flip_y: false,
@@ -200,6 +202,16 @@ fn occluders_out_of_range_are_named() {
                 ..good
             },
             "which holds no depth",
+        ),
+        (
+            Occluder {
+                subresource: Subresource {
+                    layer: 1,
+                    mip_level: 0,
+                },
+                ..good
+            },
+            "layer 1 of an image of 1",
         ),
     ] {
         let occluders = [good, occluder];

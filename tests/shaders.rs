@@ -144,7 +144,12 @@ fn every_shared_struct_is_compared() {
 
 #[test]
 fn shared_constants_have_the_same_values_in_rust_and_wgsl() {
-    let sources = [&["common/scan"][..], &["transparency/overflow"]].map(testing::module_source);
+    let files: [&[&str]; 3] = [
+        &["common/scan"],
+        &["transparency/overflow"],
+        &["common/order"],
+    ];
+    let sources = files.map(testing::module_source);
     let scan_again = "const SCAN_AGAIN: bool = false;\n";
     let modules = sources.map(|source| parsed("constants", &format!("{scan_again}{source}")));
     for (name, value) in testing::shared_constants() {

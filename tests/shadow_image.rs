@@ -97,7 +97,11 @@ fn a_shadow_image_holds_the_transmittance_towards_its_light() {
     let images = [0, 1].map(|_| image(&device, wgpu::TextureFormat::R32Float));
     let coarse = image(&device, wgpu::TextureFormat::R8Unorm);
     let wanted = [(0, &images[0]), (1, &images[1]), (1, &coarse)];
-    let wanted = wanted.map(|(light, image)| ShadowImage { light, image });
+    let wanted = wanted.map(|(light, image)| ShadowImage {
+        light,
+        image,
+        subresource: Default::default(),
+    });
     let target = Target {
         depth: held.depth.as_ref(),
         shadow_images: &wanted,
@@ -178,7 +182,11 @@ fn shadow_images_that_do_not_fit_are_named() {
         (0, &odd, true, "has the format Rg32Float"),
         (0, &good, false, "shadow images need a depth"),
     ] {
-        let wanted = [ShadowImage { light, image }];
+        let wanted = [ShadowImage {
+            light,
+            image,
+            subresource: Default::default(),
+        }];
         let target = Target {
             depth: held.depth.as_ref().filter(|_| with_depth),
             shadow_images: &wanted,

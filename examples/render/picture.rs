@@ -70,6 +70,7 @@ impl Renderer {
             .map_err(sentence)?;
         hair.opacity = scene.fibre.opacity;
         hair.shading = scene.shading;
+        hair.shading_rate = scene.shading_rate;
         Ok(Self {
             offscreen,
             image,
@@ -268,6 +269,8 @@ impl Renderer {
             None if self.meshes.is_some() => json!(["builtin:head"]),
             None => json!([]),
         };
+        let mut shading = techniques::shading_settings(&scene.shading);
+        shading["rate"] = techniques::rate_setting(scene.shading_rate);
         json!({
             "hair": hair,
             "camera": {
@@ -277,7 +280,7 @@ impl Renderer {
             "light": lights,
             "ambient": numbers(self.ambient),
             "fibre": fibre,
-            "shading": techniques::shading_settings(&scene.shading),
+            "shading": shading,
             "shadow": techniques::shadow_settings(&scene.shadow),
             "transparency": techniques::transparency_settings(&scene.transparency),
             "meshes": meshes,

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use pelage::groom::BuiltinGroom;
-use pelage::shading::Shading;
+use pelage::shading::{Shading, ShadingRate};
 use pelage::shadow::Shadow;
 use pelage::transparency::Transparency;
 use serde::Deserialize;
@@ -31,6 +31,8 @@ pub struct Scene {
     pub fibre: Fibre,
     /// The shading model.
     pub shading: Shading,
+    /// Where it is evaluated.
+    pub shading_rate: ShadingRate,
     /// The shadow technique of every light.
     pub shadow: Shadow,
     /// The transparency technique.
@@ -178,6 +180,7 @@ impl Scene {
             lights: groups.light.map(lights).transpose()?,
             ambient: groups.ambient,
             shading: techniques::shading(&groups.shading, &groups.fibre)?,
+            shading_rate: techniques::shading_rate(&groups.shading)?,
             fibre: groups.fibre,
             shadow: techniques::shadow(&groups.shadow)?,
             transparency: techniques::transparency(&groups.transparency)?,

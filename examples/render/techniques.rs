@@ -6,8 +6,8 @@
 
 use glam::Vec3;
 use pelage::shading::{
-    Chiang, DualScattering, Highlight, KajiyaKay, Marschner, Precision, Roots, Sadeghi,
-    Scheuermann, Shading, Tables,
+    Chiang, DualScattering, Highlight, KajiyaKay, Marschner, Precision, Roots, RoughnessVariation,
+    Sadeghi, Scheuermann, Shading, ShadingRate, Tables,
 };
 use pelage::shadow::{
     ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
@@ -31,6 +31,8 @@ pub struct Group {
     pub stems: &'static [&'static str],
     /// The stem of a group that names none.
     pub default: &'static str,
+    /// Keys that every stem has.
+    pub common: &'static [&'static str],
 }
 
 /// The shading model.
@@ -45,6 +47,7 @@ pub const SHADING: Group = Group {
         "chiang",
     ],
     default: "kajiya_kay",
+    common: &["rate"],
 };
 /// The shadow technique.
 pub const SHADOW: Group = Group {
@@ -58,6 +61,7 @@ pub const SHADOW: Group = Group {
         "deep_opacity_map",
     ],
     default: "deep_opacity_map",
+    common: &[],
 };
 /// The transparency technique.
 pub const TRANSPARENCY: Group = Group {
@@ -65,6 +69,7 @@ pub const TRANSPARENCY: Group = Group {
     selector: "technique",
     stems: &["opaque", "a_buffer", "dbk_buffer"],
     default: "dbk_buffer",
+    common: &[],
 };
 /// All groups that select.
 pub const GROUPS: [Group; 3] = [SHADING, SHADOW, TRANSPARENCY];
@@ -232,6 +237,30 @@ impl TablesKey {
     }
 }
 
+/// `"roughness"`: how it varies.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct RoughnessKeys {
+    strand: f32,
+    tip: f32,
+}
+
+impl Default for RoughnessKeys {
+    fn default() -> Self {
+        let RoughnessVariation { strand, tip } = RoughnessVariation::default();
+        Self { strand, tip }
+    }
+}
+
+impl RoughnessKeys {
+    fn variation(self) -> RoughnessVariation {
+        RoughnessVariation {
+            strand: self.strand,
+            tip: self.tip,
+        }
+    }
+}
+
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct MarschnerKeys {
@@ -242,6 +271,8 @@ struct MarschnerKeys {
     tip_colour: Option<[f32; 3]>,
     tables: Option<TablesKey>,
     dual_scattering: Option<DualScatteringKey>,
+    roughness: Option<RoughnessKeys>,
+    lobe_tolerance: Option<f32>,
 }
 
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -254,6 +285,8 @@ struct SadeghiKeys {
     normalised: Option<bool>,
     tip_colour: Option<[f32; 3]>,
     dual_scattering: Option<DualScatteringKey>,
+    roughness: Option<RoughnessKeys>,
+    lobe_tolerance: Option<f32>,
 }
 
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -263,6 +296,9 @@ struct ChiangKeys {
     tip_colour: Option<[f32; 3]>,
     tables: Option<TablesKey>,
     dual_scattering: Option<DualScatteringKey>,
+    roughness: Option<RoughnessKeys>,
+    lobe_tolerance: Option<f32>,
+    near_field: Option<bool>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -484,6 +520,9 @@ impl Group {
         }
         let mut settings = map.clone();
         settings.shift_remove(selector);
+        for key in self.common {
+            settings.shift_remove(*key);
+        }
         typed(name, Value::Object(settings))
     }
 
@@ -504,11 +543,37 @@ impl Group {
             "dbk_buffer" => json!(DbkBufferKeys::default()),
             _ => json!(NoKeys::default()),
         };
-        settings
-            .as_object()
-            .map(|keys| keys.keys().cloned().collect())
-            .unwrap_or_default()
+        let own = settings.as_object().into_iter().flat_map(Map::keys);
+        let common = self.common.iter().map(|key| key.to_string());
+        common.chain(own.cloned()).collect()
     }
+}
+
+/// `"rate"`, as the scene file spells it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum RateKey {
+    Point,
+    Fragment,
+}
+
+/// Where the group's model is evaluated.
+pub fn shading_rate(map: &Map<String, Value>) -> Result<ShadingRate> {
+    let Some(value) = map.get("rate") else {
+        return Ok(ShadingRate::default());
+    };
+    Ok(match typed("shading.rate", value.clone())? {
+        RateKey::Point => ShadingRate::Point,
+        RateKey::Fragment => ShadingRate::Fragment,
+    })
+}
+
+/// A rate as the scene file spells it.
+pub fn rate_setting(rate: ShadingRate) -> Value {
+    json!(match rate {
+        ShadingRate::Point => RateKey::Point,
+        ShadingRate::Fragment => RateKey::Fragment,
+    })
 }
 
 /// The shading model that a group selects. Colours, and the optics of the physical models, follow from the fibre's where the
@@ -551,6 +616,11 @@ pub fn shading(map: &Map<String, Value>, fibre: &Fibre) -> Result<Shading> {
             set(&mut model.tip_colour, keys.tip_colour.map(Vec3::from));
             model.tables = keys.tables.unwrap_or_default().tables();
             model.dual_scattering = keys.dual_scattering.unwrap_or_default().dual_scattering();
+            set(
+                &mut model.roughness,
+                keys.roughness.map(RoughnessKeys::variation),
+            );
+            set(&mut model.lobe_tolerance, keys.lobe_tolerance);
             Ok(Shading::Marschner(model))
         }
         "sadeghi" => {
@@ -567,6 +637,11 @@ pub fn shading(map: &Map<String, Value>, fibre: &Fibre) -> Result<Shading> {
             set(&mut model.normalised, keys.normalised);
             set(&mut model.tip_colour, keys.tip_colour.map(Vec3::from));
             model.dual_scattering = keys.dual_scattering.unwrap_or_default().dual_scattering();
+            set(
+                &mut model.roughness,
+                keys.roughness.map(RoughnessKeys::variation),
+            );
+            set(&mut model.lobe_tolerance, keys.lobe_tolerance);
             Ok(Shading::Sadeghi(model))
         }
         "chiang" => {
@@ -576,6 +651,12 @@ pub fn shading(map: &Map<String, Value>, fibre: &Fibre) -> Result<Shading> {
             set(&mut model.tip_colour, keys.tip_colour.map(Vec3::from));
             model.tables = keys.tables.unwrap_or_default().tables();
             model.dual_scattering = keys.dual_scattering.unwrap_or_default().dual_scattering();
+            set(
+                &mut model.roughness,
+                keys.roughness.map(RoughnessKeys::variation),
+            );
+            set(&mut model.lobe_tolerance, keys.lobe_tolerance);
+            set(&mut model.near_field, keys.near_field);
             Ok(Shading::Chiang(model))
         }
         _ => unreachable!("{stem} is listed and not handled"),
@@ -691,6 +772,8 @@ pub fn shading_settings(shading: &Shading) -> Value {
             "tip_colour": numbers(model.tip_colour),
             "tables": tables_settings(model.tables),
             "dual_scattering": dual_settings(model.dual_scattering),
+            "roughness": roughness_settings(model.roughness),
+            "lobe_tolerance": number(model.lobe_tolerance),
         }),
         Shading::Sadeghi(model) => json!({
             "model": shading.stem(),
@@ -701,6 +784,8 @@ pub fn shading_settings(shading: &Shading) -> Value {
             "normalised": model.normalised,
             "tip_colour": numbers(model.tip_colour),
             "dual_scattering": dual_settings(model.dual_scattering),
+            "roughness": roughness_settings(model.roughness),
+            "lobe_tolerance": number(model.lobe_tolerance),
         }),
         Shading::Chiang(model) => json!({
             "model": shading.stem(),
@@ -708,6 +793,9 @@ pub fn shading_settings(shading: &Shading) -> Value {
             "tip_colour": numbers(model.tip_colour),
             "tables": tables_settings(model.tables),
             "dual_scattering": dual_settings(model.dual_scattering),
+            "roughness": roughness_settings(model.roughness),
+            "lobe_tolerance": number(model.lobe_tolerance),
+            "near_field": model.near_field,
         }),
         _ => json!({ "model": shading.stem() }),
     }
@@ -729,6 +817,10 @@ fn tables_settings(tables: Option<Tables>) -> Value {
         };
         json!({ "size": tables.size, "precision": precision })
     })
+}
+
+fn roughness_settings(roughness: RoughnessVariation) -> Value {
+    json!({ "strand": number(roughness.strand), "tip": number(roughness.tip) })
 }
 
 fn dual_settings(dual: Option<DualScattering>) -> Value {

@@ -21,9 +21,12 @@ fn depth_of_key(key: u32) -> f32 {
     return bitcast<f32>(select(key, 0x3f800000u - key, pixels_reverse));
 }
 
-// The view's pixel of a fragment of the target.
+// The view's pixel of a fragment of the target. Lanes that run beside a rectangle's rim for their neighbours' sake get a
+// pixel of the band too: what they would read elsewhere might be any number.
 fn pixel_of(position: vec4f) -> vec2u {
-    return vec2u(position.xy) - frame.origin;
+    let first = frame.origin + vec2u(0u, drawing.row_first);
+    let last = frame.origin + vec2u(u32(drawing.viewport.x), drawing.row_end) - 1u;
+    return clamp(vec2u(position.xy), first, last) - frame.origin;
 }
 
 // What the outputs beside the colour ask of a pixel: key, point and place along the segment of its nearest fragment, with

@@ -10,8 +10,8 @@
 // a count. With CENTRE_ONLY it is those whose centres the fibre covers, as the hardware samples a triangle.
 
 @group(1) @binding(0) var<storage, read> projected: array<Projected>;
-// First points of the run's segments, in the order in which the walk takes them.
-@group(1) @binding(1) var<storage, read> segments: array<u32>;
+// First points of the run's segments in the order in which the walk takes them; its last word is their number.
+@group(1) @binding(1) var<storage, read> order: array<u32>;
 
 // Whether the invocation's segment need not be compared with the host's depth.
 var<private> segment_in_front: bool;

@@ -4,8 +4,8 @@
 @compute @workgroup_size(64)
 fn walk(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let number = invocation.x + invocation.y * groups.x * 64u;
-    if number >= drawing.segment_count || !emit_begin() { return; }
-    let index = segments[number];
+    if number >= order[drawing.point_count - 1u] || !emit_begin() { return; }
+    let index = order[number];
     let s = segment(index);
     if !s.valid { return; }
     // Three copies, so that most segments pay neither for ends nor for a comparison with the host's depth.

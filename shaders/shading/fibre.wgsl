@@ -41,6 +41,13 @@ fn fibre_pair(tangent: vec3f, wi: vec3f, wo: vec3f) -> FibrePair {
     return pair;
 }
 
+// The azimuth from one direction to another around the tangent, from -π to π.
+fn fibre_turn(tangent: vec3f, from_direction: vec3f, to_direction: vec3f) -> f32 {
+    let across_from = cross(tangent, from_direction);
+    let across_to = cross(tangent, to_direction);
+    return fibre_atan2(dot(tangent, cross(across_from, across_to)), dot(across_from, across_to));
+}
+
 // A unit vector across the fibre; a fixed one where the direction lies along the tangent and has no azimuth.
 fn fibre_unit_across(tangent: vec3f, across: vec3f, size: f32) -> vec3f {
     if size > 1e-7 { return across / size; }
@@ -144,6 +151,13 @@ fn fibre_random(strand: u32, seed: u32) -> f32 {
     return f32(((word >> 22u) ^ word) >> 8u) / 16777216.0;
 }
 
+// How many times as rough as its model says the fibre is here. Slot 13 of the parameters: the strand's part, and the tip's.
+fn fibre_roughness(fibre: Fibre) -> f32 {
+    let variation = material_value(13u);
+    let own = 1.0 + variation.x * (2.0 * fibre_random(fibre.strand, 3u) - 1.0);
+    return own * mix(1.0, variation.y, fibre.coordinate);
+}
+
 // --- azimuthal functions by intervals of γ_i -----------------------------------------------------------------------
 //
 // ½ ∫ A(p, h) l(φ - Φ(p, h)) dh, l the logistic of scale s trimmed to -π…π, Φ = 2p γ_t - 2γ_i + pπ. Within an interval of
@@ -230,14 +244,14 @@ fn fibre_azimuthal(cylinder: FibreCylinder, sigma_a: vec3f, s: f32, phi: f32, in
             phi - 4.0 * gamma_t + 2.0 * gamma - FIBRE_TAU);
         if spread {
             sum.r += weight.r * fibre_half_circle(l, x.x);
-            sum.tt += weight.tt * fibre_half_circle(l, x.y);
+            if TRANSMITS { sum.tt += weight.tt * fibre_half_circle(l, x.y); }
             sum.trt += weight.trt * fibre_half_circle(l, x.z);
             continue;
         }
         let now = array<FibreNode, 3>(fibre_node(l, x.x), fibre_node(l, x.y), fibre_node(l, x.z));
         if i > 0u {
             sum.r += fibre_interval(l, before[0], now[0], vec3f(weight_before.r), vec3f(weight.r)).x;
-            sum.tt += fibre_interval(l, before[1], now[1], weight_before.tt, weight.tt);
+            if TRANSMITS { sum.tt += fibre_interval(l, before[1], now[1], weight_before.tt, weight.tt); }
             sum.trt += fibre_interval(l, before[2], now[2], weight_before.trt, weight.trt);
         }
         before = now;
@@ -251,7 +265,7 @@ fn fibre_azimuthal(cylinder: FibreCylinder, sigma_a: vec3f, s: f32, phi: f32, in
 // --- tables --------------------------------------------------------------------------------------------------------
 
 // Where this hair's tables begin, in words of `shading_tables`; their sizes.
-fn fibre_tables() -> vec4u { return bitcast<vec4u>(material.values[15]); }
+fn fibre_tables() -> vec4u { return bitcast<vec4u>(material_value(15u)); }
 
 // Azimuthal functions: rows of |θ| from 0 to π/2, columns of φ from 0 to π, ten values each, as f32 or as f16.
 const FIBRE_TABLE_F16: u32 = 0x10000u;
@@ -262,14 +276,19 @@ fn fibre_entry(base: u32, half: bool, index: u32) -> FibreLobes {
     if half {
         let at = base + index * 5u;
         for (var i = 0u; i < 5u; i++) {
+            if !TRANSMITS && i == 1u { continue; }
             let pair = unpack2x16float(shading_tables[at + i]);
             v[2u * i] = pair.x;
             v[2u * i + 1u] = pair.y;
         }
     } else {
         let at = base + index * 10u;
-        for (var i = 0u; i < 10u; i++) { v[i] = bitcast<f32>(shading_tables[at + i]); }
+        for (var i = 0u; i < 10u; i++) {
+            if !TRANSMITS && i >= 1u && i <= 3u { continue; }
+            v[i] = bitcast<f32>(shading_tables[at + i]);
+        }
     }
+    if !TRANSMITS { v[1] = 0.0; }
     return FibreLobes(v[0], vec3f(v[1], v[2], v[3]), vec3f(v[4], v[5], v[6]), vec3f(v[7], v[8], v[9]));
 }
 
@@ -321,7 +340,7 @@ fn fibre_angle(theta: f32, field: u32) -> vec3f {
 // --- dual scattering -----------------------------------------------------------------------------------------------
 
 // Densities d_f, d_b; negative where the model is to be used alone.
-fn fibre_densities() -> vec2f { return material.values[14].xy; }
+fn fibre_densities() -> vec2f { return material_value(14u).xy; }
 
 struct FibreForward {
     // What arrives through fibres, and the variance of its inclination.

@@ -8,4 +8,6 @@ struct Fibre {
     // Root-to-tip coordinate.
     coordinate: f32,
     strand: u32,
+    // The part of the fibre's width that is seen, from -1 to 1 across it; `NEAR` says whether a model asks.
+    across: vec2f,
 }

@@ -1,11 +1,11 @@
 // Kajiya and Kay 1989 (Kim §5, Hunz §3.2): Ψ = k_d sin(t, l) + k_s max(0, sin(t, l) sin(t, e) - (t·l)(t·e))^m, with
 // both directions leaving the fibre. The cosine is inside: radiance = Ψ × irradiance on a plane facing the light.
 
-fn kajiya_kay_diffuse() -> vec3f { return material.values[0].xyz; }
-fn kajiya_kay_exponent() -> f32 { return material.values[0].w; }
-fn kajiya_kay_specular() -> vec3f { return material.values[1].xyz; }
+fn kajiya_kay_diffuse() -> vec3f { return material_value(0u).xyz; }
+fn kajiya_kay_exponent() -> f32 { return material_value(0u).w; }
+fn kajiya_kay_specular() -> vec3f { return material_value(1u).xyz; }
 // ∫ cos^(m+1) over the half circle, from the host.
-fn kajiya_kay_lobe_width() -> f32 { return material.values[1].w; }
+fn kajiya_kay_lobe_width() -> f32 { return material_value(1u).w; }
 
 fn scatter(fibre: Fibre, wi: vec3f, wo: vec3f, shadow: ShadowSample) -> vec3f {
     let cos_l = clamp(dot(fibre.tangent, wi), -1.0, 1.0);

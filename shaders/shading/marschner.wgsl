@@ -5,17 +5,21 @@
 // halves where these leave the bracket. With `cubic` φ is its fit by a polynomial (Hunz eq. 46). TRT's caustic is taken
 // out by algorithm 1, corrected as the reference says; an elliptic section gives TRT η*(φ_h).
 
-fn marschner_sigma_a() -> vec3f { return material.values[0].xyz; }
-fn marschner_eta() -> f32 { return material.values[0].w; }
-fn marschner_alpha() -> vec3f { return material.values[1].xyz; }
-fn marschner_eccentricity() -> f32 { return material.values[1].w; }
-fn marschner_beta() -> vec3f { return material.values[2].xyz; }
-fn marschner_cubic() -> bool { return material.values[2].w > 0.0; }
+fn marschner_sigma_a() -> vec3f { return material_value(0u).xyz; }
+fn marschner_eta() -> f32 { return material_value(0u).w; }
+fn marschner_alpha() -> vec3f { return material_value(1u).xyz; }
+fn marschner_eccentricity() -> f32 { return material_value(1u).w; }
+fn marschner_beta() -> vec3f {
+    if VARIES { return clamp(material_value(2u).xyz * marschner_roughness, vec3f(1e-5), vec3f(10.0)); }
+    return material_value(2u).xyz;
+}
+var<private> marschner_roughness: f32;
+fn marschner_cubic() -> bool { return material_value(2u).w > 0.0; }
 // w_c, k_G, Δη', Δh.
-fn marschner_caustic() -> vec4f { return material.values[3]; }
-fn marschner_removes_caustic() -> bool { return material.values[4].w > 0.0; }
+fn marschner_caustic() -> vec4f { return material_value(3u); }
+fn marschner_removes_caustic() -> bool { return material_value(4u).w > 0.0; }
 // Transmittance of one crossing at the tip; 1 at the root.
-fn marschner_tip() -> vec3f { return material.values[4].xyz; }
+fn marschner_tip() -> vec3f { return material_value(4u).xyz; }
 
 // At a caustic the true N is infinite; here it ends.
 const MARSCHNER_MIN_SLOPE: f32 = 1e-6;
@@ -189,7 +193,7 @@ fn marschner_direct(theta_d: f32, phi: f32, spread: bool) -> FibreLobes {
     let cos_half = max(cos(0.5 * phi), 0.0);
     var lobes: FibreLobes;
     lobes.r = 0.25 * cos_half * fibre_fresnel(cylinder.eta, cylinder.cos_theta * cos_half);
-    lobes.tt = marschner_tt(cylinder, phi);
+    if TRANSMITS { lobes.tt = marschner_tt(cylinder, phi); }
     lobes.trt = marschner_trt(cylinder, phi);
     return lobes;
 }
@@ -226,6 +230,7 @@ fn marschner_phi_h(fibre: Fibre, wi: vec3f, wo: vec3f) -> f32 {
 }
 
 fn scatter(fibre: Fibre, wi: vec3f, wo: vec3f, shadow: ShadowSample) -> vec3f {
+    if VARIES { marschner_roughness = fibre_roughness(fibre); }
     let pair = fibre_pair(fibre.tangent, wi, wo);
     let theta_d = 0.5 * (pair.theta_o - pair.theta_i);
     let colour = fibre.colour * mix(vec3f(1.0), marschner_tip(), fibre.coordinate);

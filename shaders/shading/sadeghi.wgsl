@@ -3,14 +3,14 @@
 // max(1, E(θ_i), E(θ_o)), E the part of the light that is scattered.
 
 // C_p I_p and the shift α_p.
-fn sadeghi_lobe(p: u32) -> vec4f { return material.values[p]; }
+fn sadeghi_lobe(p: u32) -> vec4f { return material_value(p); }
 // β_p, and δ_TT.
-fn sadeghi_widths() -> vec4f { return material.values[3]; }
+fn sadeghi_widths() -> vec4f { return material_value(3u); }
 // I_G, δ_G, and the range of G, within which a strand's own lies.
-fn sadeghi_glint() -> vec4f { return material.values[4]; }
-fn sadeghi_normalised() -> bool { return material.values[5].w > 0.0; }
+fn sadeghi_glint() -> vec4f { return material_value(4u); }
+fn sadeghi_normalised() -> bool { return material_value(5u).w > 0.0; }
 // Transmittance of one crossing at the tip; 1 at the root.
-fn sadeghi_tip() -> vec3f { return material.values[5].xyz; }
+fn sadeghi_tip() -> vec3f { return material_value(5u).xyz; }
 
 fn sadeghi_glint_angle(fibre: Fibre) -> f32 {
     let glint = sadeghi_glint();
@@ -56,15 +56,23 @@ fn sadeghi_half_circle(phi: f32, angle: f32) -> vec3f {
     return max(sum, vec3f(0.0)) / FIBRE_PI;
 }
 
+var<private> sadeghi_roughness: f32;
+
 // Σ_p C_p I_p M_p N_p, M_p wider by `variance` of θ_i + θ_o.
 fn sadeghi_sum(pair: FibrePair, n: vec3f, variance: f32, colour: vec3f) -> vec3f {
     let sum_of_angles = pair.theta_i + pair.theta_o;
     var tint = vec3f(1.0);
     var value = vec3f(0.0);
     for (var p = 0u; p < 3u; p++) {
+        if !TRANSMITS && p == 1u {
+            tint *= colour;
+            continue;
+        }
         let lobe = sadeghi_lobe(p);
         let width = 2.0 * sadeghi_widths()[p];
-        let wide = sqrt(width * width + variance);
+        var rough = width;
+        if VARIES { rough = 2.0 * clamp(sadeghi_widths()[p] * sadeghi_roughness, 1e-5, 10.0); }
+        let wide = sqrt(rough * rough + variance);
         value += lobe.xyz * tint * (width / wide * fibre_gaussian(wide, sum_of_angles - 2.0 * lobe.w) * n[p]);
         tint *= colour;
     }
@@ -77,6 +85,7 @@ fn sadeghi_divisor(pair: FibrePair) -> vec3f {
 }
 
 fn scatter(fibre: Fibre, wi: vec3f, wo: vec3f, shadow: ShadowSample) -> vec3f {
+    if VARIES { sadeghi_roughness = fibre_roughness(fibre); }
     let pair = fibre_pair(fibre.tangent, wi, wo);
     let angle = sadeghi_glint_angle(fibre);
     let colour = fibre.colour * mix(vec3f(1.0), sadeghi_tip(), fibre.coordinate);

@@ -2,12 +2,12 @@
 // k_d sin(t, l) + Σ_j k_j max(0, sin(t_j, l) sin(t_j, e) - (t_j·l)(t_j·e))^m_j, t_j = normalise(t + shift_j n), n the part of
 // the view's direction perpendicular to the tangent. The cosine is inside.
 
-fn scheuermann_diffuse() -> vec3f { return material.values[0].xyz; }
+fn scheuermann_diffuse() -> vec3f { return material_value(0u).xyz; }
 // Colour and exponent.
-fn scheuermann_highlight(j: u32) -> vec4f { return material.values[1u + j]; }
-fn scheuermann_shift(j: u32) -> f32 { return material.values[3][j]; }
+fn scheuermann_highlight(j: u32) -> vec4f { return material_value(1u + j); }
+fn scheuermann_shift(j: u32) -> f32 { return material_value(3u)[j]; }
 // ∫ cos^(m+1) over the half circle, from the host.
-fn scheuermann_lobe_width(j: u32) -> f32 { return material.values[3][2u + j]; }
+fn scheuermann_lobe_width(j: u32) -> f32 { return material_value(3u)[2u + j]; }
 
 // Sines are lengths of cross products, which keep their digits where directions are parallel.
 fn scheuermann_lobe(tangent: vec3f, wi: vec3f, wo: vec3f, exponent: f32) -> f32 {

@@ -12,6 +12,7 @@ struct ShadowFibre {
     radius: f32,
     // 0 for a point in the air.
     opacity: f32,
+    // Whether the strand begins at `before`, and ends at `after`.
     starts: bool,
     ends: bool,
 }
@@ -22,6 +23,7 @@ struct ShadowOwnSide {
     tangent: vec2f,
     // Depth a texel.
     slope: f32,
+    length: f32,
     footprint: Footprint,
 }
 
@@ -57,9 +59,9 @@ fn shadow_own_side(neighbour: vec3f, map: u32, resolution: f32) -> ShadowOwnSide
     let offset = shadow_own_pixel(clip, resolution) - shadow_own_place;
     let distance = length(offset);
     let depth = dot(frame.shadow_views[map].depth_row, vec4f(neighbour, 1.0));
-    if !(distance > SHADOW_OWN_COINCIDENT) || clip.w <= 0.0 { return ShadowOwnSide(vec2f(0.0), 0.0, footprint(vec2f(1.0, 0.0))); }
+    if !(distance > SHADOW_OWN_COINCIDENT) || clip.w <= 0.0 { return ShadowOwnSide(vec2f(0.0), 0.0, 0.0, footprint(vec2f(1.0, 0.0))); }
     let tangent = offset / distance;
-    return ShadowOwnSide(tangent, (depth - shadow_own_depth) / distance, footprint(tangent.yx));
+    return ShadowOwnSide(tangent, (depth - shadow_own_depth) / distance, distance, footprint(tangent.yx));
 }
 
 // Finds the fibre on the map, whose clip space and depths the point has these values in.
@@ -72,10 +74,10 @@ fn shadow_own_begin(position: vec3f, clip: vec4f, depth: f32, map: u32, light: u
     shadow_own_after = shadow_own_side(shadow_fibre.after, map, resolution);
     // Where one side has no length on the map the other goes on straight.
     if all(shadow_own_before.tangent == vec2f(0.0)) {
-        shadow_own_before = ShadowOwnSide(-shadow_own_after.tangent, -shadow_own_after.slope, shadow_own_after.footprint);
+        shadow_own_before = ShadowOwnSide(-shadow_own_after.tangent, -shadow_own_after.slope, 0.0, shadow_own_after.footprint);
     }
     if all(shadow_own_after.tangent == vec2f(0.0)) {
-        shadow_own_after = ShadowOwnSide(-shadow_own_before.tangent, -shadow_own_before.slope, shadow_own_before.footprint);
+        shadow_own_after = ShadowOwnSide(-shadow_own_before.tangent, -shadow_own_before.slope, 0.0, shadow_own_before.footprint);
     }
     let sum = shadow_own_after.tangent - shadow_own_before.tangent;
     shadow_own_bisector = sum / max(length(sum), 1e-12);
@@ -100,7 +102,7 @@ fn shadow_own(texel: vec2u) -> ShadowOwn {
     let along = dot(centre, side.tangent);
     let across = dot(centre, vec2f(side.tangent.y, -side.tangent.x));
     // Beyond the strand's end there is none of it.
-    let cut = select(1.0, clamp(0.5 - along, 0.0, 1.0), select(shadow_fibre.starts, shadow_fibre.ends, is_after));
+    let cut = select(1.0, clamp(0.5 + side.length - along, 0.0, 1.0), select(shadow_fibre.starts, shadow_fibre.ends, is_after));
     let opacity = shadow_fibre.opacity * cut * coverage_band(side.footprint, across, shadow_own_half_width);
     let taken = select(optical_depth(opacity), OPTICAL_DEPTH_OPAQUE, opacity > SHADOW_OWN_OPAQUE);
     return ShadowOwn(select(0.0, taken, opacity > 0.0), shadow_own_depth + along * side.slope);

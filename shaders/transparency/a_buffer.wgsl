@@ -11,7 +11,6 @@
 @group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
 @group(3) @binding(5) var<storage, read> fragments_2: array<u32>;
 @group(3) @binding(6) var<storage, read> overflow: array<u32>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 // What lies behind this transmittance changes a pixel by less than 1/4096 of its own radiance.
 const A_BUFFER_UNSEEN: f32 = 0.000244140625;
@@ -64,22 +63,20 @@ fn a_buffer_first(number: u32) -> u32 {
     return select(links[max(number, 1u) - 1u], 0u, number == 0u);
 }
 
-// Colour and transmittance of a pixel's tail.
-fn a_buffer_tail(number: u32) -> vec4f {
-    let words = number * OVERFLOW_WORDS;
-    let carries = overflow[words + TAIL_CARRIES];
-    var sums: array<f32, 5>;
-    for (var i = 0u; i < 5u; i++) {
-        sums[i] = f32(overflow[words + i]) + f32((carries >> (i * TAIL_CARRY_BITS)) & 63u) * 4294967296.0;
-    }
-    if sums[TAIL_WEIGHT] == 0.0 { return vec4f(0.0, 0.0, 0.0, 1.0); }
-    let through = exp(-sums[TAIL_DEPTH] / TAIL_DEPTH_SCALE);
-    let colour = vec3f(sums[2], sums[3], sums[4]) / frame.tail_scale / (sums[TAIL_WEIGHT] / TAIL_WEIGHT_SCALE);
-    return vec4f(colour * (1.0 - through), through);
+// One of the sums of a pixel's tail, with its carries.
+fn tail_sum(words: u32, sum: u32) -> f32 {
+    let carries = (overflow[words + TAIL_CARRIES] >> (sum * TAIL_CARRY_BITS)) & 63u;
+    return f32(overflow[words + sum]) + f32(carries) * 4294967296.0;
+}
+
+// The transmittance of a pixel's tail.
+fn a_buffer_tail_through(words: u32) -> f32 {
+    return exp(-tail_sum(words, TAIL_DEPTH) / TAIL_DEPTH_SCALE);
 }
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    shaded_begin(pixel);
     let number = pixel_number(pixel);
     let first = a_buffer_first(number);
     var count = 0u;
@@ -201,9 +198,13 @@ fn resolve(pixel: vec2u) -> Resolved {
     }
     let overflowed = select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
     if overflowed && transmittance > A_BUFFER_UNSEEN {
-        let tail = a_buffer_tail(number);
-        colour += transmittance * tail.xyz;
-        transmittance *= tail.w;
+        let words = number * OVERFLOW_WORDS;
+        let weight = tail_sum(words, TAIL_WEIGHT) / TAIL_WEIGHT_SCALE;
+        if weight > 0.0 {
+            let through = a_buffer_tail_through(words);
+            colour += transmittance * (1.0 - through) * tail_colour(words, weight);
+            transmittance *= through;
+        }
     }
     if transmittance > A_BUFFER_UNSEEN {
         let beyond = resolve_beyond(number);
@@ -264,11 +265,12 @@ fn nearest(pixel: vec2u) -> Nearest {
     var transmittance = exp(-f32(depth) / OPTICAL_DEPTH_SCALE);
     let overflowed = select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
     if overflowed {
-        let tail = a_buffer_tail(number);
-        transmittance *= tail.w;
+        let words = number * OVERFLOW_WORDS;
+        let through = a_buffer_tail_through(words);
+        transmittance *= through;
         // Where nothing was stored, the depth that the tail begins at is all that is known.
-        if !LISTS && near.key == A_BUFFER_NONE && tail.w < 1.0 {
-            near.key = overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY];
+        if !LISTS && near.key == A_BUFFER_NONE && through < 1.0 {
+            near.key = overflow[words + TAIL_FIRST_KEY];
         }
     }
     near.opacity = 1.0 - transmittance * resolve_beyond(number).w;

@@ -10,7 +10,6 @@
 @group(3) @binding(4) var<storage, read_write> fragments_1: array<u32>;
 @group(3) @binding(5) var<storage, read_write> fragments_2: array<u32>;
 @group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 var<private> a_buffer_culled: u32;
 var<private> a_buffer_capacity: u32;
@@ -45,7 +44,7 @@ fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
 }
 
 // Adds to one sum of a pixel's tail; its carries are counted beside it.
-fn a_buffer_tail_add(pixel: u32, sum: u32, value: f32) {
+fn tail_add(pixel: u32, sum: u32, value: f32) {
     let steps = u32(value + 0.5);
     let before = atomicAdd(&overflow[pixel * OVERFLOW_WORDS + sum], steps);
     if before + steps < before {
@@ -54,13 +53,9 @@ fn a_buffer_tail_add(pixel: u32, sum: u32, value: f32) {
 }
 
 fn a_buffer_merge(pixel: u32, fragment: Fragment) {
-    let colour = shaded_colour(fragment.point, fragment.along);
-    let steps = min(fragment.opacity * colour * frame.tail_scale, vec3f(TAIL_LARGEST));
-    a_buffer_tail_add(pixel, TAIL_DEPTH, optical_depth(fragment.opacity) * TAIL_DEPTH_SCALE);
-    a_buffer_tail_add(pixel, TAIL_WEIGHT, fragment.opacity * TAIL_WEIGHT_SCALE);
-    a_buffer_tail_add(pixel, TAIL_COLOUR, steps.x);
-    a_buffer_tail_add(pixel, TAIL_COLOUR + 1u, steps.y);
-    a_buffer_tail_add(pixel, TAIL_COLOUR + 2u, steps.z);
+    tail_add(pixel, TAIL_DEPTH, optical_depth(fragment.opacity) * TAIL_DEPTH_SCALE);
+    tail_add(pixel, TAIL_WEIGHT, fragment.opacity * TAIL_WEIGHT_SCALE);
+    tail_merge_colour(pixel, fragment);
 }
 
 // Widens the range of a pixel's keys.

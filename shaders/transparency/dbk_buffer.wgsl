@@ -1,4 +1,4 @@
-// DBK-buffer: a pixel's passes. The cut-off from its bins: the end of the bin in which the fragments' optical depth
+// DBK-buffer: passes over tiles and pixels. A tile's bins, from its histogram. A pixel's cut-off from its bins: the end of the bin in which the fragments' optical depth
 // reaches frame.cut_depth, so that what is kept lets through no more than the tolerance; or from its nearest depth and a
 // shift along the ray. And what the cut-offs mean to segments: the farthest of each of the host's tiles.
 
@@ -15,6 +15,36 @@ var<workgroup> dbk_culled: atomic<u32>;
 
 fn dbk_number(invocation: vec3u, groups: vec3u) -> u32 {
     return invocation.x + invocation.y * groups.x * 64u;
+}
+
+// A tile's histogram → its bins; the histogram is cleared.
+@compute @workgroup_size(64)
+fn dbk_buffer_ranges(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let tile = dbk_number(invocation, groups);
+    let rows = (drawing.row_end - drawing.row_first + DBK_TILE - 1u) / DBK_TILE;
+    if tile >= dbk_columns() * rows { return; }
+    let words = dbk_tile_words(dbk_pixels(), tile);
+    let front = 0xffffffffu - fill[words];
+    let back = fill[words + 1u];
+    let enough = frame.cut_depth * f32(DBK_TILE * DBK_TILE) * DBK_ESTIMATE_SCALE;
+    let step = f32(back - min(front, back)) / f32(DBK_STEPS);
+    var sum = 0.0;
+    var first = DBK_NO_CUT;
+    var end = back;
+    for (var i = 0u; i < DBK_STEPS; i++) {
+        let value = f32(overflow[tile * DBK_STEPS + i]);
+        overflow[tile * DBK_STEPS + i] = 0u;
+        let after = sum + value;
+        if sum < DBK_FIRST * enough && after >= DBK_FIRST * enough {
+            first = front + u32((f32(i) + (DBK_FIRST * enough - sum) / value) * step);
+        }
+        if sum < DBK_LAST * enough && after >= DBK_LAST * enough {
+            end = front + u32((f32(i) + (DBK_LAST * enough - sum) / value) * step);
+        }
+        sum = after;
+    }
+    fill[words] = first;
+    fill[words + 1u] = select((end - min(first, end)) / (DBK_BINS - 2u), 0u, first == DBK_NO_CUT);
 }
 
 @compute @workgroup_size(64)
@@ -44,9 +74,8 @@ fn dbk_buffer_cut(
             kept = all + whole;
         } else if last + 1u < DBK_BINS {
             let pixel = vec2u(number % pixels_width, number / pixels_width);
-            let tile = dbk_tile(pixels, dbk_columns(), pixel);
-            let front = 0xffffffffu - fill[tile];
-            cut = dbk_bin_end(last, front, dbk_unit(front, fill[tile + 1u]));
+            let words = dbk_tile_words(pixels, dbk_tile(dbk_columns(), pixel));
+            cut = dbk_bin_end(last, fill[words], fill[words + 1u]);
             if all > kept { atomicAdd(&dbk_culled, all - kept); }
         }
         fill[number] = kept;

@@ -45,9 +45,9 @@ fn emit_end() {
 }
 
 fn dbk_count(pixel: vec2u, number: u32, key: u32, opacity: f32) {
-    let tile = dbk_tile(dbk_pixel_count, dbk_column_count, pixel - vec2u(0u, dbk_row_first));
-    let front = 0xffffffffu - fill[tile];
-    let bin = dbk_bin(key, front, dbk_unit(front, fill[tile + 1u]));
+    let tile = dbk_tile(dbk_column_count, pixel - vec2u(0u, dbk_row_first));
+    let words = dbk_tile_words(dbk_pixel_count, tile);
+    let bin = dbk_bin(key, fill[words], fill[words + 1u]);
     // One fragment counts for no more than the tolerance asks for.
     let depth = u32(min(optical_depth(opacity), dbk_cut_depth) * DBK_DEPTH_SCALE);
     let before = atomicAdd(&overflow[number * DBK_BINS + bin], (depth << DBK_COUNT_BITS) | 1u);

@@ -4,7 +4,6 @@
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
 @group(3) @binding(2) var<storage, read> links: array<u32>;
 @group(3) @binding(3) var<storage, read> fragment_keys: array<u32>;
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
 
 struct Resolved {
     // Premultiplied.
@@ -15,6 +14,7 @@ struct Resolved {
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    shaded_begin(pixel);
     let number = pixel_number(pixel);
     if fill[number] == 0u { return Resolved(vec4f(0.0), 0xffffffffu); }
     let winner = 0xffffffffu - links[number];

@@ -10,7 +10,7 @@ const SEARCH_KEPT: u32 = 2u;
 const SEARCH_BINS: u32 = 3u;
 const SEARCH_BIN_COUNT: u32 = 4u;
 
-// The tail: Σ -ln(1 - opacity), Σ opacity, Σ opacity × colour, carries of these five, and the first key of the tail.
+// The tail: Σ -ln(1 - opacity), Σ opacity, what its colour is found by, carries of the sums, and the first key of the tail.
 const TAIL_DEPTH: u32 = 0u;
 const TAIL_WEIGHT: u32 = 1u;
 const TAIL_COLOUR: u32 = 2u;

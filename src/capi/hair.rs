@@ -122,8 +122,7 @@ unsafe fn create_of<T>(
         // SAFETY: the rule of the module `capi`.
         let hair = unsafe { output("hair", hair) }?;
         let made = make()?;
-        let upload =
-            |state: &mut State| state.host.with_renderer(|renderer| upload(renderer, &made));
+        let upload = |state: &mut State| state.host.upload(|renderer| upload(renderer, &made));
         hair.write(PelageHair {
             id: context.make(Kind::Hair, |state| &mut state.hairs, upload)?,
         });
@@ -337,7 +336,7 @@ pub unsafe extern "C" fn pelage_hair_points(
 /// has. Takes effect with the next frame rendered.
 ///
 /// Errors: another number of points; a position that is not finite; on the host's Vulkan device, an update of this hair by its
-/// guides or by a buffer that no submission has taken yet (`PELAGE_CONFLICT`): render first.
+/// guides or by a buffer that no submission has taken yet, or 16 updates of any kind (`PELAGE_CONFLICT`): render first.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pelage_hair_update_points(
     hair: PelageHair,
@@ -363,7 +362,7 @@ pub unsafe extern "C" fn pelage_hair_update_points(
                     "the hair's last update is still waiting for pelage_vulkan_render".into(),
                 ));
             }
-            host.with_renderer(|renderer| renderer.update_points(hair, points))
+            host.update_points(hair, points)
         })
     })
 }
@@ -375,7 +374,7 @@ pub unsafe extern "C" fn pelage_hair_update_points(
 /// The number of strands, and what was drawn by chance, stays as it was. `pelage_hair_points` is not told of the new positions.
 ///
 /// Errors: a hair that was not made by `pelage_hair_create_guided_...`; another number of points; a position that is not
-/// finite; no memory.
+/// finite; no memory; on the host's Vulkan device, 16 updates of this hair that no submission has taken yet (`PELAGE_CONFLICT`).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pelage_hair_update_guides(
     hair: PelageHair,
@@ -392,9 +391,7 @@ pub unsafe extern "C" fn pelage_hair_update_guides(
                 MAX_POINTS,
             )
         }?;
-        hair.with(|hair, host| {
-            host.record_ahead(|renderer, encoder| renderer.update_guides(encoder, hair, points))
-        })
+        hair.with(|hair, host| host.update_guides(hair, points))
     })
 }
 
@@ -524,7 +521,7 @@ pub extern "C" fn pelage_hair_set_opacity(hair: PelageHair, opacity: f32) -> Pel
     })
 }
 
-/// Sets a hair's shading model.
+/// Sets a hair's shading model, and where it is evaluated.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pelage_hair_set_shading(
     hair: PelageHair,
@@ -532,9 +529,10 @@ pub unsafe extern "C" fn pelage_hair_set_shading(
 ) -> PelageResult {
     guard(|| {
         // SAFETY: the rule of the module `capi`.
-        let shading = unsafe { settings::shading("shading", shading) }?;
+        let (shading, rate) = unsafe { settings::shading("shading", shading) }?;
         hair.with(|hair, _| {
             hair.shading = shading;
+            hair.shading_rate = rate;
             Ok(())
         })
     })

@@ -91,28 +91,53 @@ pub(super) enum Host {
 impl Host {
     /// Runs `call` on the renderer, unless the device is lost.
     pub fn with_renderer<T>(&mut self, call: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
-        match self {
-            Self::Offscreen(offscreen) => call(&mut offscreen.renderer),
-            Self::Vulkan(vulkan) => vulkan.with_renderer(call),
-            Self::Window(window) => call(&mut window.offscreen.renderer),
+        if let Self::Vulkan(vulkan) = self {
+            return vulkan.with_renderer(call);
         }
+        let offscreen = self.offscreen()?;
+        let result = call(&mut offscreen.renderer);
+        offscreen.settle(result)
     }
 
-    /// Records commands: submitted at once on the library's own device, on the host's before the views of the next frame.
-    pub fn record_ahead(
-        &mut self,
-        call: impl FnOnce(&mut Renderer, &mut wgpu::CommandEncoder) -> Result<()>,
-    ) -> Result<()> {
+    /// Runs a call that uploads. On the host's device that is submitted with the next frame, on the library's own at once: it
+    /// would be held for as long as none is drawn.
+    pub fn upload<T>(&mut self, call: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
         if let Self::Vulkan(vulkan) = self {
-            return vulkan.record_ahead(call);
+            return vulkan.with_renderer(call);
         }
-        let renderer = &mut self.offscreen()?.renderer;
-        let mut encoder = renderer
-            .device()
-            .create_command_encoder(&Default::default());
-        call(renderer, &mut encoder)?;
-        renderer.queue().submit([encoder.finish()]);
-        Ok(())
+        self.with_renderer(|renderer| {
+            let value = call(renderer)?;
+            renderer.queue().submit([]);
+            Ok(value)
+        })
+    }
+
+    /// Replaces a hair's points.
+    pub fn update_points(&mut self, hair: &mut Hair, points: &[[f32; 3]]) -> Result<()> {
+        if let Self::Vulkan(vulkan) = self {
+            return vulkan.update(hair, |vulkan, hair| {
+                vulkan.with_renderer(|renderer| renderer.update_points(hair, points))
+            });
+        }
+        self.upload(|renderer| renderer.update_points(hair, points))
+    }
+
+    /// Moves a hair's guides.
+    pub fn update_guides(&mut self, hair: &mut Hair, points: &[[f32; 3]]) -> Result<()> {
+        if let Self::Vulkan(vulkan) = self {
+            return vulkan.update(hair, |vulkan, hair| {
+                vulkan
+                    .record_ahead(|renderer, encoder| renderer.update_guides(encoder, hair, points))
+            });
+        }
+        self.with_renderer(|renderer| {
+            let mut encoder = renderer
+                .device()
+                .create_command_encoder(&Default::default());
+            renderer.update_guides(&mut encoder, hair, points)?;
+            renderer.queue().submit([encoder.finish()]);
+            Ok(())
+        })
     }
 
     pub fn adapter_info(&self) -> &wgpu::AdapterInfo {
@@ -123,16 +148,18 @@ impl Host {
         }
     }
 
-    /// The library's own device, which alone has targets.
+    /// The library's own device, which alone has targets; an error once it is lost.
     pub fn offscreen(&mut self) -> Result<&mut Offscreen> {
-        match self {
-            Self::Offscreen(offscreen) => Ok(offscreen),
-            Self::Window(window) => Ok(&mut window.offscreen),
-            Self::Vulkan(_) => Err(Error::Unsupported(
+        let offscreen = match self {
+            Self::Offscreen(offscreen) => &mut **offscreen,
+            Self::Window(window) => &mut window.offscreen,
+            Self::Vulkan(_) => return Err(Error::Unsupported(
                 "this context is on the host's Vulkan device, and draws into the host's images by pelage_vulkan_render"
                     .into(),
             )),
-        }
+        };
+        offscreen.alive()?;
+        Ok(offscreen)
     }
 
     /// The host's device.

@@ -53,9 +53,9 @@ pub unsafe extern "C" fn pelage_render_timed(
     // SAFETY: the rule of the module `capi`.
     guard(|| unsafe {
         render(context, frame, target, flags, |offscreen, frame, target| {
+            let timed = offscreen.renderer.render_timed(frame, target);
             offscreen
-                .renderer
-                .render_timed(frame, target)
+                .settle(timed)
                 .map(|statistics| Some(statistics.passes))
         })
     })
@@ -100,6 +100,7 @@ fn target_of(image: &Image, rectangle: Option<[u32; 4]>, flags: u32) -> Target<'
         receive_shadow: flags & PELAGE_RENDER_RECEIVE_SHADOW != 0,
         rectangle,
         outputs: image.outputs(),
+        subresources: Default::default(),
         ..Target::cleared(&image.colour)
     }
 }

@@ -9,13 +9,13 @@ use crate::error::{Result, invalid};
 use crate::raster::Raster;
 use crate::shading::{
     CausticRemoval, Chiang, DualScattering, HairColour, Highlight, KajiyaKay, LobeControls,
-    Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables, sigma_a_from_melanin,
-    sigma_a_from_reflectance,
+    Marschner, Precision, Roots, RoughnessVariation, Sadeghi, Scheuermann, Shading, ShadingRate,
+    Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
 };
 use crate::shadow::{
     ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
 };
-use crate::transparency::{ABuffer, Opaque, Storage, Transparency};
+use crate::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
 use glam::Vec3;
 
 /// Kajiya and Kay 1989.
@@ -28,6 +28,11 @@ pub const PELAGE_SHADING_MARSCHNER: u32 = 2;
 pub const PELAGE_SHADING_SADEGHI: u32 = 3;
 /// Chiang et al. 2016, d'Eon et al. 2011.
 pub const PELAGE_SHADING_CHIANG: u32 = 4;
+
+/// At strand points, once a view; a fragment's colour is interpolated along its segment.
+pub const PELAGE_SHADING_RATE_POINT: u32 = 0;
+/// At each fragment that the transparency technique keeps, at its own position.
+pub const PELAGE_SHADING_RATE_FRAGMENT: u32 = 1;
 
 /// Of the exact exit angle.
 pub const PELAGE_ROOTS_EXACT: u32 = 0;
@@ -69,6 +74,8 @@ pub const PELAGE_SHADOW_OPACITY_SHADOW_MAPS: u32 = 4;
 pub const PELAGE_TRANSPARENCY_OPAQUE: u32 = 0;
 /// Every fragment stored, sorted and composited.
 pub const PELAGE_TRANSPARENCY_A_BUFFER: u32 = 1;
+/// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
+pub const PELAGE_TRANSPARENCY_DBK_BUFFER: u32 = 10;
 
 /// The library chooses.
 pub const PELAGE_RASTER_AUTO: u32 = 0;
@@ -213,6 +220,12 @@ pub struct PelageMarschner {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
 }
 
 impl Default for PelageMarschner {
@@ -240,11 +253,14 @@ impl Default for PelageMarschner {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
         }
     }
 }
 
-descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", backward_density: f32);
+descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", lobe_tolerance: f32);
 
 /// One lobe of Sadeghi's model.
 #[repr(C)]
@@ -310,6 +326,12 @@ pub struct PelageSadeghi {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
 }
 
 impl Default for PelageSadeghi {
@@ -330,11 +352,14 @@ impl Default for PelageSadeghi {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
         }
     }
 }
 
-descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", backward_density: f32);
+descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", lobe_tolerance: f32);
 
 /// Chiang et al. 2016, d'Eon et al. 2011.
 #[repr(C)]
@@ -366,6 +391,15 @@ pub struct PelageChiang {
     pub forward_density: f32,
     /// Density of hair around it, from 0 to 1.
     pub backward_density: f32,
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, from 0 to 0.9.
+    pub roughness_strand: f32,
+    /// The tip's roughness over the root's, from 0.1 to 10.
+    pub roughness_tip: f32,
+    /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
+    pub lobe_tolerance: f32,
+    /// 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
+    /// the mean over their width.
+    pub near_field: u32,
 }
 
 impl Default for PelageChiang {
@@ -387,11 +421,15 @@ impl Default for PelageChiang {
             dual_scattering: 0,
             forward_density: dual.forward,
             backward_density: dual.backward,
+            roughness_strand: model.roughness.strand,
+            roughness_tip: model.roughness.tip,
+            lobe_tolerance: model.lobe_tolerance,
+            near_field: u32::from(model.near_field),
         }
     }
 }
 
-descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", backward_density: f32);
+descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", near_field: u32);
 
 /// A shading model with its parameters.
 #[repr(C)]
@@ -411,6 +449,10 @@ pub struct PelageShading {
     pub sadeghi: *const PelageSadeghi,
     /// For `PELAGE_SHADING_CHIANG`; NULL: as `PELAGE_CHIANG_INIT`.
     pub chiang: *const PelageChiang,
+    /// `PELAGE_SHADING_RATE_…`; the same for all hairs of a frame.
+    pub rate: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 impl Default for PelageShading {
@@ -423,11 +465,13 @@ impl Default for PelageShading {
             marschner: null(),
             sadeghi: null(),
             chiang: null(),
+            rate: PELAGE_SHADING_RATE_POINT,
+            reserved: 0,
         }
     }
 }
 
-descriptor!(PelageShading, "PELAGE_SHADING_INIT", chiang: *const PelageChiang);
+descriptor!(PelageShading, "PELAGE_SHADING_INIT", reserved: u32);
 
 /// Settings of the deep opacity map.
 #[repr(C)]
@@ -672,6 +716,37 @@ impl Default for PelageABuffer {
 
 descriptor!(PelageABuffer, "PELAGE_A_BUFFER_INIT", pool_bytes: u64);
 
+/// Settings of the DBK-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageDbkBuffer {
+    /// `sizeof(PelageDbkBuffer)`.
+    pub struct_size: u32,
+    /// How much of a pixel's alpha, and of its culled hair's radiance, may be left out: from 1e-6 to 0.5.
+    pub epsilon: f32,
+    /// Above 0: what lies farther than this behind the nearest fragment, in host units along the ray, is drawn as one opaque
+    /// layer, and `epsilon` is not asked. 0: `epsilon` decides.
+    pub depth_shift: f32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    pub pool_bytes: u64,
+}
+
+impl Default for PelageDbkBuffer {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            epsilon: DbkBuffer::default().epsilon,
+            depth_shift: 0.0,
+            raster: PELAGE_RASTER_AUTO,
+            pool_bytes: 0,
+        }
+    }
+}
+
+descriptor!(PelageDbkBuffer, "PELAGE_DBK_BUFFER_INIT", pool_bytes: u64);
+
 /// A transparency technique with its settings.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -684,20 +759,23 @@ pub struct PelageTransparency {
     pub opaque: *const PelageOpaque,
     /// For `PELAGE_TRANSPARENCY_A_BUFFER`; NULL: as `PELAGE_A_BUFFER_INIT`.
     pub a_buffer: *const PelageABuffer,
+    /// For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
+    pub dbk_buffer: *const PelageDbkBuffer,
 }
 
 impl Default for PelageTransparency {
     fn default() -> Self {
         Self {
             struct_size: size_of::<Self>() as u32,
-            technique: PELAGE_TRANSPARENCY_A_BUFFER,
+            technique: PELAGE_TRANSPARENCY_DBK_BUFFER,
             opaque: null(),
             a_buffer: null(),
+            dbk_buffer: null(),
         }
     }
 }
 
-descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", a_buffer: *const PelageABuffer);
+descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", dbk_buffer: *const PelageDbkBuffer);
 
 /// What stands behind a pointer to settings, or their defaults behind NULL.
 unsafe fn settings<T: descriptor::Descriptor>(name: &str, pointer: *const T) -> Result<T> {
@@ -771,6 +849,11 @@ fn marschner(given: &PelageMarschner) -> Result<Marschner> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
     })
 }
 
@@ -790,6 +873,11 @@ fn sadeghi(given: &PelageSadeghi) -> Result<Sadeghi> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
     })
 }
 
@@ -808,6 +896,12 @@ fn chiang(given: &PelageChiang) -> Result<Chiang> {
             given.forward_density,
             given.backward_density,
         )?,
+        roughness: RoughnessVariation {
+            strand: given.roughness_strand,
+            tip: given.roughness_tip,
+        },
+        lobe_tolerance: given.lobe_tolerance,
+        near_field: switch("near_field", given.near_field)?,
     })
 }
 
@@ -878,10 +972,19 @@ pub unsafe extern "C" fn pelage_sigma_a_of(colour: u32, sigma_a: *mut f32) -> Pe
     })
 }
 
-/// A validated shading model.
-pub(super) unsafe fn shading(name: &str, pointer: *const PelageShading) -> Result<Shading> {
+/// A validated shading model, and where it is evaluated.
+pub(super) unsafe fn shading(
+    name: &str,
+    pointer: *const PelageShading,
+) -> Result<(Shading, ShadingRate)> {
     // SAFETY: the rule of the module `capi`.
     let given = unsafe { descriptor::read(name, pointer) }?;
+    reserved("PelageShading", given.reserved)?;
+    let rate = match given.rate {
+        PELAGE_SHADING_RATE_POINT => ShadingRate::Point,
+        PELAGE_SHADING_RATE_FRAGMENT => ShadingRate::Fragment,
+        unknown => return invalid!("{name}: rate {unknown} is not one of PELAGE_SHADING_RATE_…"),
+    };
     let shading = match given.model {
         PELAGE_SHADING_KAJIYA_KAY => {
             // SAFETY: the rule of the module `capi`.
@@ -918,7 +1021,7 @@ pub(super) unsafe fn shading(name: &str, pointer: *const PelageShading) -> Resul
         }
         unknown => return invalid!("{name}: model {unknown} is not one of PELAGE_SHADING_…"),
     };
-    shading.validate().map(|()| shading)
+    shading.validate().map(|()| (shading, rate))
 }
 
 /// A validated shadow technique; `None` for NULL.
@@ -999,6 +1102,16 @@ pub(super) unsafe fn transparency(
         PELAGE_TRANSPARENCY_A_BUFFER => {
             // SAFETY: the rule of the module `capi`.
             Transparency::ABuffer(a_buffer(&unsafe { settings("a_buffer", given.a_buffer) }?)?)
+        }
+        PELAGE_TRANSPARENCY_DBK_BUFFER => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("dbk_buffer", given.dbk_buffer) }?;
+            Transparency::DbkBuffer(DbkBuffer {
+                epsilon: given.epsilon,
+                depth_shift: (given.depth_shift != 0.0).then_some(given.depth_shift),
+                raster: raster(given.raster)?,
+                pool_bytes: (given.pool_bytes > 0).then_some(given.pool_bytes),
+            })
         }
         unknown => {
             return invalid!("{name}: technique {unknown} is not one of PELAGE_TRANSPARENCY_…");

@@ -1,5 +1,6 @@
 //! Where devices and targets come from.
 
+mod lost;
 pub mod offscreen;
 mod readback;
 pub mod vulkan;

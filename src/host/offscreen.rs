@@ -2,6 +2,7 @@
 
 use glam::Vec4;
 
+use super::lost::Lost;
 use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, Outputs, Target};
 use crate::renderer::Renderer;
@@ -22,6 +23,7 @@ pub struct Offscreen {
     pub renderer: Renderer,
     info: wgpu::AdapterInfo,
     pub(super) write_depth: Option<wgpu::RenderPipeline>,
+    lost: Lost,
 }
 
 /// An image to draw into, with an optional depth.
@@ -138,7 +140,10 @@ impl Offscreen {
             .await
             .map_err(|error| Error::Unsupported(format!("the adapter gives no device: {error}")))?;
         device.on_uncaptured_error(std::sync::Arc::new(|error| log::error!("{error}")));
-        Self::on(&device, &queue, adapter.get_info())
+        let lost = Lost::watch(&device);
+        let mut offscreen = Self::on(&device, &queue, adapter.get_info())?;
+        offscreen.lost = lost;
+        Ok(offscreen)
     }
 
     /// Images and readbacks on a device of the host's, made on the adapter of `info`. The host sees to errors that no call
@@ -151,7 +156,18 @@ impl Offscreen {
             renderer: Renderer::new(device, queue)?,
             info,
             write_depth: None,
+            lost: Lost::default(),
         })
+    }
+
+    /// Checks that a device of the library's own has not been lost in an earlier call.
+    pub(crate) fn alive(&self) -> Result<()> {
+        self.lost.alive()
+    }
+
+    /// What a call says: its own result, unless the device has been lost in it.
+    pub(crate) fn settle<T>(&self, result: Result<T>) -> Result<T> {
+        self.lost.settle(result)
     }
 
     /// Name and driver of the adapter.
@@ -310,15 +326,17 @@ impl Offscreen {
     /// Records and submits; does not wait.
     ///
     /// # Errors
-    /// As [`Renderer::record`]; nothing has then been submitted.
+    /// As [`Renderer::record`]; nothing has then been submitted. A lost device of the library's own.
     pub fn submit(&mut self, frame: &Frame, target: &Target) -> Result<()> {
+        self.alive()?;
         let mut encoder = self
             .renderer
             .device()
             .create_command_encoder(&Default::default());
-        self.renderer.record(&mut encoder, frame, target)?;
+        let recorded = self.renderer.record(&mut encoder, frame, target);
+        self.settle(recorded)?;
         self.renderer.queue().submit([encoder.finish()]);
-        Ok(())
+        self.settle(Ok(()))
     }
 
     /// Records, submits and waits; the frame's own statistics.
@@ -327,7 +345,8 @@ impl Offscreen {
     /// As [`Renderer::record`]; a lost device.
     pub fn render(&mut self, frame: &Frame, target: &Target) -> Result<Statistics> {
         self.submit(frame, target)?;
-        self.renderer.wait()?;
+        let waited = self.renderer.wait();
+        self.settle(waited)?;
         Ok(self.renderer.statistics())
     }
 

@@ -83,6 +83,7 @@ impl Offscreen {
             texture.size(),
         );
         self.renderer.queue().submit([encoder.finish()]);
+        self.settle(Ok(()))?;
         let state = Arc::new(AtomicU8::new(PENDING));
         let arrived = state.clone();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {

@@ -11,6 +11,7 @@ use crate::layout::Counters;
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::shading::ShadingRate;
 
 /// How segments become fragments. Both find the same ones; they differ in speed only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
@@ -64,15 +65,37 @@ pub(crate) struct Emission {
     pub downscale: u32,
 }
 
+/// The file by which colours of what overflows are summed as fragments are found, and the one where no colours are known then.
+const TAIL_SUMS: &str = "transparency/tail_sums_emit";
+const TAIL_SAMPLES: &str = "transparency/tail_samples_emit";
+
 impl Emission {
-    pub(crate) fn module(&self, rasteriser: &'static str, parts: u32) -> Module {
+    /// Whether its files depend on the rate of shading.
+    fn has_tail(&self) -> bool {
+        self.files.contains(&TAIL_SUMS)
+    }
+
+    /// What tells its pipelines apart.
+    fn variant(&self, plan: &Plan) -> u32 {
+        let unshaded = plan.shader.rate == ShadingRate::Fragment && self.has_tail();
+        u32::from(unshaded) * 4 + plan.parts
+    }
+
+    pub(crate) fn module(&self, rasteriser: &'static str, parts: u32, rate: ShadingRate) -> Module {
+        let unshaded = rate == ShadingRate::Fragment && self.has_tail();
+        let file = |file: &&'static str| match *file {
+            "transparency/shaded" if unshaded => None,
+            TAIL_SUMS if unshaded => Some(TAIL_SAMPLES),
+            file => Some(file),
+        };
+        let files: Vec<&'static str> = self.files.iter().filter_map(file).collect();
         Module::new(&["common/coverage", "common/segment"])
             .with("STAGE", Constant::U32(self.stage))
             .with("PARTS", Constant::U32(parts))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
             .with("CENTRE_ONLY", Constant::Bool(self.centre_only))
             .with("DOWNSCALE", Constant::U32(self.downscale))
-            .and(self.files)
+            .and(&files)
             .and(&[rasteriser])
     }
 }

@@ -20,11 +20,11 @@ pub(super) fn record(
 ) -> Result<()> {
     let key = PipelineKey {
         rasteriser: Some(Rasteriser::Ribbons),
-        variant: plan.parts,
+        variant: emission.variant(plan),
         ..PipelineKey::new(emission.label)
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: emission.module("raster/ribbons", plan.parts),
+        module: emission.module("raster/ribbons", plan.parts, plan.shader.rate),
         vertex: "ribbon_vertex",
         fragment: "ribbon_fragment",
         groups: match emission.group {

@@ -16,12 +16,12 @@ pub(super) fn record(
 ) -> Result<()> {
     let key = PipelineKey {
         rasteriser: Some(Rasteriser::Walk),
-        variant: plan.parts,
+        variant: emission.variant(plan),
         ..PipelineKey::new(emission.label)
     };
     let groups = [Group::Frame, Group::Segments, emission.group];
     let pipeline = gpu.compute(key, "walk", &groups, || {
-        emission.module("raster/walk", plan.parts)
+        emission.module("raster/walk", plan.parts, plan.shader.rate)
     })?;
     passes.compute(emission.label, |pass| {
         pass.set_pipeline(&pipeline);

@@ -81,7 +81,7 @@ pub(crate) struct Averaged {
 }
 
 /// e^-x I_0(x), x ≥ 0 (Abramowitz and Stegun 9.8.1, 9.8.2): 2e-7.
-fn i0e(x: f64) -> f64 {
+pub(super) fn i0e(x: f64) -> f64 {
     let series = |t: f64, c: &[f64]| c.iter().rev().fold(0.0, |sum, c| sum * t + c);
     if x < 3.75 {
         let small = [

@@ -6,8 +6,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::angles::{Along, Around, Averaged, Lobe};
 use super::fibre::{
-    DualScattering, MAX_SIGMA_A, Tables, all_within, densities, longitudinal_variance, within,
+    DualScattering, MAX_SIGMA_A, MAX_TOLERANCE, RoughnessVariation, Tables, all_within, densities,
+    longitudinal_variance, within,
 };
+use super::transmission;
 use crate::error::{Result, invalid};
 use crate::layout::Material;
 
@@ -42,6 +44,16 @@ pub struct Chiang {
     pub tables: Option<Tables>,
     /// Light that other fibres have scattered.
     pub dual_scattering: Option<DualScattering>,
+    /// How `beta_m` and `beta_n` vary, each kept within 0.001 to 1. A table has one roughness: where there is any variation the model
+    /// is evaluated directly, and no tables are made. Uniform light and dual scattering take the model's own.
+    pub roughness: RoughnessVariation,
+    /// Radiance by which no fibre may change where the TT lobe is left out: with no light behind the hair, as the eye sees it, its upper
+    /// bound may be that small, and the frame is then shaded without it. In the units of the lights; 0: never. Kept in any case
+    /// with dual scattering, with varying roughness and with the near field.
+    pub lobe_tolerance: f32,
+    /// Fibres wider than a pixel are shaded by the light that leaves them where the pixel lies across them, directly; others by the
+    /// mean over all of them. At [`super::ShadingRate::Fragment`] alone: a point has no place across.
+    pub near_field: bool,
 }
 
 impl Default for Chiang {
@@ -57,6 +69,9 @@ impl Default for Chiang {
             intervals: 32,
             tables: Some(Tables::default()),
             dual_scattering: None,
+            roughness: RoughnessVariation::default(),
+            lobe_tolerance: 0.0,
+            near_field: false,
         }
     }
 }
@@ -77,6 +92,13 @@ impl Chiang {
             );
         }
         self.tables.map_or(Ok(()), |t| t.validate("chiang"))?;
+        self.roughness.validate("chiang")?;
+        within(
+            "chiang",
+            "lobe_tolerance",
+            self.lobe_tolerance,
+            MAX_TOLERANCE,
+        )?;
         self.dual_scattering
             .map_or(Ok(()), |d| d.validate("chiang"))
     }
@@ -110,8 +132,36 @@ impl Chiang {
         material.values[2] = self.tilts().map(|t| t as f32);
         material.values[3] = [self.scale() as f32, self.intervals as f32, 0.0, 0.0];
         material.values[4] = self.tip_colour.extend(0.0).into();
+        let RoughnessVariation { strand, tip } = self.roughness;
+        material.values[13] = [strand, tip, self.beta_m, self.beta_n];
         material.values[14] = densities(self.dual_scattering);
         material
+    }
+
+    /// TT, but not of the near field.
+    pub(crate) fn transmission(&self) -> Option<transmission::Lobe> {
+        if self.near_field {
+            return None;
+        }
+        let intervals = if self.tables.is_some() {
+            128
+        } else {
+            self.intervals
+        };
+        Some(transmission::Lobe {
+            along: transmission::Along::Chiang {
+                v: self.variances()[1],
+                tilt: self.tilts()[1],
+            },
+            around: transmission::Around::Cylinder {
+                eta: f64::from(self.eta),
+                sigma_a: f64::from(self.sigma_a.min_element()),
+                s: Some(self.scale()),
+                of_view: true,
+                ray_step: PI / f64::from(intervals),
+            },
+            table_step: self.tables.map_or(0.0, |tables| tables.step()),
+        })
     }
 
     pub(crate) fn averaged(&self) -> Averaged {

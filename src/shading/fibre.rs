@@ -37,6 +37,37 @@ impl DualScattering {
     }
 }
 
+/// How roughness varies: between strands, and along each. It multiplies the model's own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoughnessVariation {
+    /// Each strand's roughness lies between 1 - this and 1 + this times the model's, by a hash of its number; 0 to 0.9.
+    pub strand: f32,
+    /// The tip's roughness over the root's, linear between, 0.1 to 10.
+    pub tip: f32,
+}
+
+impl Default for RoughnessVariation {
+    /// None.
+    fn default() -> Self {
+        Self {
+            strand: 0.0,
+            tip: 1.0,
+        }
+    }
+}
+
+impl RoughnessVariation {
+    /// Whether there is any.
+    pub(crate) fn varies(&self) -> bool {
+        *self != Self::default()
+    }
+
+    pub(crate) fn validate(&self, model: &str) -> Result<()> {
+        within(model, "roughness.strand", self.strand, [0.0, 0.9])?;
+        within(model, "roughness.tip", self.tip, [0.1, 10.0])
+    }
+}
+
 /// How a table's numbers are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -92,6 +123,11 @@ impl Tables {
         u64::from(self.size).pow(2) * each * if dual { 2 } else { 1 }
     }
 
+    /// The distance of rows in θ, and twice that of columns in φ: what lies between is interpolated.
+    pub(crate) fn step(&self) -> f64 {
+        std::f64::consts::PI / f64::from(self.size - 1)
+    }
+
     /// As WGSL reads them: the size, and a flag.
     pub(crate) fn word(&self) -> u32 {
         self.size
@@ -130,6 +166,9 @@ pub(crate) fn densities(dual: Option<DualScattering>) -> [f32; 4] {
         None => [-1.0, -1.0, 0.0, 0.0],
     }
 }
+
+/// The range of a tolerance of radiance.
+pub(crate) const MAX_TOLERANCE: [f32; 2] = [0.0, 1e6];
 
 /// The greatest absorption per radius; beyond it nothing is left of any channel.
 pub(crate) const MAX_SIGMA_A: f32 = 1e6;

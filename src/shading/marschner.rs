@@ -3,12 +3,14 @@
 
 use glam::{DVec3, Vec3};
 use std::f32::consts::FRAC_PI_2;
+use std::f64::consts::TAU;
 
 use super::angles::{Along, Around, Averaged, Lobe};
 use super::fibre::{
-    DualScattering, MAX_SIGMA_A, Tables, all_within, densities, longitudinal_variance, within,
+    DualScattering, MAX_SIGMA_A, MAX_TOLERANCE, RoughnessVariation, Tables, all_within, densities,
+    longitudinal_variance, within,
 };
-use super::{Chiang, HairColour};
+use super::{Chiang, HairColour, transmission};
 use crate::error::Result;
 use crate::layout::Material;
 
@@ -80,6 +82,12 @@ pub struct Marschner {
     pub tables: Option<Tables>,
     /// Light that other fibres have scattered.
     pub dual_scattering: Option<DualScattering>,
+    /// How `beta` varies. Uniform light and dual scattering take the model's own.
+    pub roughness: RoughnessVariation,
+    /// Radiance by which no fibre may change where the TT lobe is left out: with no light behind the hair, as the eye sees it, its upper
+    /// bound may be that small, and the frame is then shaded without it. In the units of the lights; 0: never. Kept in any case
+    /// with dual scattering, with varying roughness and with cubic roots.
+    pub lobe_tolerance: f32,
 }
 
 impl Default for Marschner {
@@ -96,6 +104,8 @@ impl Default for Marschner {
             tip_colour: Vec3::ONE,
             tables: Some(Tables::default()),
             dual_scattering: None,
+            roughness: RoughnessVariation::default(),
+            lobe_tolerance: 0.0,
         }
     }
 }
@@ -123,6 +133,8 @@ impl Marschner {
             tip_colour: optics.tip_colour,
             tables: optics.tables,
             dual_scattering: optics.dual_scattering,
+            roughness: optics.roughness,
+            lobe_tolerance: optics.lobe_tolerance,
             ..Self::default()
         }
     }
@@ -155,6 +167,13 @@ impl Marschner {
         }
         all_within("marschner", "tip_colour", self.tip_colour, [0.0, 1.0])?;
         self.tables.map_or(Ok(()), |t| t.validate("marschner"))?;
+        self.roughness.validate("marschner")?;
+        within(
+            "marschner",
+            "lobe_tolerance",
+            self.lobe_tolerance,
+            MAX_TOLERANCE,
+        )?;
         self.dual_scattering
             .map_or(Ok(()), |d| d.validate("marschner"))
     }
@@ -182,8 +201,32 @@ impl Marschner {
             .tip_colour
             .extend(f32::from(self.caustic.is_some()))
             .into();
+        material.values[13] = [self.roughness.strand, self.roughness.tip, 0.0, 0.0];
         material.values[14] = densities(self.dual_scattering);
         material
+    }
+
+    /// TT, where there is a bound of it.
+    pub(crate) fn transmission(&self) -> Option<transmission::Lobe> {
+        if self.roots == Roots::Cubic {
+            return None;
+        }
+        let deviation = 2.0 * f64::from(self.beta[1]);
+        Some(transmission::Lobe {
+            along: transmission::Along::Gaussian {
+                shift: 2.0 * f64::from(self.alpha[1]),
+                deviation,
+                height: 1.0 / (deviation * TAU.sqrt()),
+            },
+            around: transmission::Around::Cylinder {
+                eta: f64::from(self.eta),
+                sigma_a: f64::from(self.sigma_a.min_element()),
+                s: None,
+                of_view: false,
+                ray_step: 0.0,
+            },
+            table_step: self.tables.map_or(0.0, |tables| tables.step()),
+        })
     }
 
     pub(crate) fn averaged(&self) -> Averaged {

@@ -11,10 +11,12 @@ pub mod marschner;
 pub mod sadeghi;
 pub mod scheuermann;
 pub(crate) mod tables;
+pub(crate) mod transmission;
 
 pub use chiang::Chiang;
 pub use fibre::{
-    DualScattering, HairColour, Precision, Tables, sigma_a_from_melanin, sigma_a_from_reflectance,
+    DualScattering, HairColour, Precision, RoughnessVariation, Tables, sigma_a_from_melanin,
+    sigma_a_from_reflectance,
 };
 pub use kajiya_kay::KajiyaKay;
 pub use marschner::{CausticRemoval, Marschner, Roots};
@@ -27,8 +29,20 @@ use crate::layout::Material;
 use crate::occluder;
 use crate::plan::Plan;
 use crate::resources::Bound;
-use crate::shader::Module;
-use crate::shadow::Shadow;
+use crate::shader::{Constant, Module};
+use crate::shadow;
+
+/// Where fibres are shaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum ShadingRate {
+    /// At strand points, once a view; a fragment's colour is interpolated along its segment (Kim §5). 8 bytes a point.
+    #[default]
+    Point,
+    /// At each fragment that the transparency technique keeps, at its own position: its own tangent, shadow and model. For
+    /// strands of few points, narrow lobes and fine shadows. 32 bytes a point. What has overflowed the fragment pool takes the mean
+    /// colour of three of its fragments.
+    Fragment,
+}
 
 /// A shading model with its parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,7 +128,7 @@ impl Shading {
     pub(crate) fn tables(&self) -> Option<Tables> {
         match self {
             Self::Marschner(model) => model.tables,
-            Self::Chiang(model) => model.tables,
+            Self::Chiang(model) => model.tables.filter(|_| !model.roughness.varies()),
             Self::KajiyaKay(_) | Self::Scheuermann(_) | Self::Sadeghi(_) => None,
         }
     }
@@ -126,6 +140,29 @@ impl Shading {
             Self::Chiang(_) => Some(chiang::TABLES),
             Self::KajiyaKay(_) | Self::Scheuermann(_) | Self::Sadeghi(_) => None,
         }
+    }
+
+    /// Whether roughness varies between or along strands.
+    fn varies(&self) -> bool {
+        match self {
+            Self::Marschner(model) => model.roughness.varies(),
+            Self::Sadeghi(model) => model.roughness.varies(),
+            Self::Chiang(model) => model.roughness.varies(),
+            Self::KajiyaKay(_) | Self::Scheuermann(_) => false,
+        }
+    }
+
+    /// The TT lobe and the radiance by which leaving it out may change a fibre, where it may be left out at all.
+    pub(crate) fn transmission(&self) -> Option<(transmission::Lobe, f32)> {
+        let (lobe, tolerance) = match self {
+            Self::Marschner(model) => (model.transmission(), model.lobe_tolerance),
+            Self::Sadeghi(model) => (model.transmission(), model.lobe_tolerance),
+            Self::Chiang(model) => (model.transmission(), model.lobe_tolerance),
+            Self::KajiyaKay(_) | Self::Scheuermann(_) => return None,
+        };
+        let single = self.dual_scattering().is_none() && !self.varies();
+        let lobe = lobe.filter(|_| single && tolerance > 0.0)?;
+        Some((lobe, tolerance))
     }
 
     pub(crate) fn dual_scattering(&self) -> Option<DualScattering> {
@@ -158,33 +195,130 @@ impl Shading {
     }
 }
 
-/// The module that shades points.
-pub(crate) fn points_module(shadow: &Shadow, occluded: bool, files: &[&'static str]) -> Module {
-    shadow
-        .module()
-        .and(occluder::files(occluded))
-        .and(&["common/light", "shading/fibre_type", "shading/points"])
-        .and(files)
+/// The shaders of all hairs of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Shader {
+    /// The label of the pass that shades points.
+    pub label: &'static str,
+    /// The model's files.
+    pub files: &'static [&'static str],
+    pub rate: ShadingRate,
+    /// The files of the shadow technique's look-up.
+    pub shadow: &'static [&'static str],
+    /// Whether the host has shadow maps that shadow the hair; at points only.
+    pub occluded: bool,
+    /// Whether all hairs have the same parameters.
+    pub one_material: bool,
+    /// Whether any hair's roughness varies.
+    pub varies: bool,
+    /// Whether any hair is to be seen by its near field.
+    pub near: bool,
+    /// Whether light goes through fibres: the TT lobe.
+    pub transmits: bool,
 }
 
-/// Shades every strand point for the view.
+impl Shader {
+    pub fn of(shading: &Shading, rate: ShadingRate) -> Self {
+        let (label, files) = shading.points();
+        Self {
+            label,
+            files,
+            rate,
+            shadow: shadow::none::LOOK_UP,
+            occluded: false,
+            one_material: true,
+            varies: shading.varies(),
+            near: rate == ShadingRate::Fragment
+                && matches!(shading, Shading::Chiang(model) if model.near_field),
+            transmits: true,
+        }
+    }
+
+    /// The shader, as far as pipelines for points depend on it.
+    fn of_points(self) -> Self {
+        Self {
+            one_material: true,
+            ..self
+        }
+    }
+
+    /// The shader, where fragments are what it shades.
+    pub fn of_fragments(self) -> Option<Self> {
+        (self.rate == ShadingRate::Fragment).then_some(self)
+    }
+
+    /// The files of the model and of what it is called by.
+    fn model(&self) -> Module {
+        Module::new(self.shadow)
+            .and(shadow::OWN)
+            .and(occluder::files(self.occluded))
+            .and(&["common/light", "shading/fibre_type", "shading/radiance"])
+            .and(self.files)
+            .with("VARIES", Constant::Bool(self.varies))
+            .with("NEAR", Constant::Bool(self.near))
+            .with("TRANSMITS", Constant::Bool(self.transmits))
+    }
+
+    /// The model's functions alone, of the material that is bound.
+    pub fn functions(&self) -> Module {
+        Module {
+            files: Vec::new(),
+            ..self.model()
+        }
+        .and(&["shadow/none", "shading/fibre_type", "shading/material"])
+        .and(self.files)
+    }
+
+    /// The module that shades points.
+    pub fn points_module(&self) -> Module {
+        self.model().and(&[
+            "shading/material",
+            "shading/points_common",
+            "shading/points",
+        ])
+    }
+
+    /// The files that supply `shaded_colour(point, along)` to a resolve.
+    pub fn fragments_module(&self) -> Module {
+        self.model()
+            .and(&["shading/fragments"])
+            .with("ONE_MATERIAL", Constant::Bool(self.one_material))
+    }
+}
+
+/// The module that gathers what shading at fragments asks of the points.
+pub(crate) fn gather_module() -> Module {
+    Module::new(&["shading/points_common", "shading/fibre_points"])
+}
+
+/// Shades every strand point for the view, or gathers what shading at fragments asks of them.
 pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
     tables::record(gpu, passes, bound, plan)?;
-    let (label, files) = plan.shading;
-    let key = PipelineKey {
-        variant: plan.shadow.variant() * 2 + u32::from(plan.occluded),
-        ..PipelineKey::new(label)
+    let shader = plan.shader;
+    let (label, pipeline) = match shader.rate {
+        ShadingRate::Point => {
+            let key = PipelineKey {
+                shading: Some(shader.of_points()),
+                ..PipelineKey::new(shader.label)
+            };
+            let groups = [
+                Group::Frame,
+                Group::Shade,
+                Group::MapsRead,
+                Group::Occluders,
+            ];
+            let groups = &groups[..if shader.occluded { 4 } else { 3 }];
+            let pipeline = gpu.compute(key, "shade_points", groups, || shader.points_module())?;
+            (shader.label, pipeline)
+        }
+        ShadingRate::Fragment => {
+            let label = "pelage.shading.fibre_points";
+            let groups = [Group::Frame, Group::Shade, Group::MapsRead];
+            let key = PipelineKey::new(label);
+            let pipeline = gpu.compute(key, "gather_fibre_points", &groups, gather_module)?;
+            (label, pipeline)
+        }
     };
-    let groups = [
-        Group::Frame,
-        Group::Shade,
-        Group::MapsRead,
-        Group::Occluders,
-    ];
-    let groups = &groups[..if plan.occluded { 4 } else { 3 }];
-    let pipeline = gpu.compute(key, "shade_points", groups, || {
-        points_module(&plan.shadow, plan.occluded, files)
-    })?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(2, bound.maps_read, &[]);

@@ -4,7 +4,10 @@ use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use super::angles::{Along, Around, Averaged, Lobe};
-use super::fibre::{DualScattering, all_within, densities, within};
+use super::fibre::{
+    DualScattering, MAX_TOLERANCE, RoughnessVariation, all_within, densities, within,
+};
+use super::transmission;
 use crate::error::{Result, invalid};
 use crate::layout::Material;
 
@@ -50,6 +53,13 @@ pub struct Sadeghi {
     pub tip_colour: Vec3,
     /// Light that other fibres have scattered.
     pub dual_scattering: Option<DualScattering>,
+    /// How the lobes' `width` varies. Uniform light and dual scattering take the model's own.
+    /// A wider lobe is lower in turn, so that it sends as much light.
+    pub roughness: RoughnessVariation,
+    /// Radiance by which no fibre may change where the TT lobe is left out: with no light behind the hair, as the eye sees it, its upper
+    /// bound may be that small, and the frame is then shaded without it. In the units of the lights; 0: never. Kept in any case
+    /// with dual scattering and with varying roughness.
+    pub lobe_tolerance: f32,
 }
 
 impl Default for Sadeghi {
@@ -72,6 +82,8 @@ impl Default for Sadeghi {
             normalised: true,
             tip_colour: Vec3::ONE,
             dual_scattering: None,
+            roughness: RoughnessVariation::default(),
+            lobe_tolerance: 0.0,
         }
     }
 }
@@ -84,6 +96,8 @@ impl Sadeghi {
         let mut model = Self {
             tip_colour: optics.tip_colour,
             dual_scattering: optics.dual_scattering,
+            roughness: optics.roughness,
+            lobe_tolerance: optics.lobe_tolerance,
             ..Self::default()
         };
         let energies =
@@ -155,6 +169,13 @@ impl Sadeghi {
             );
         }
         all_within("sadeghi", "tip_colour", self.tip_colour, [0.0, 1.0])?;
+        self.roughness.validate("sadeghi")?;
+        within(
+            "sadeghi",
+            "lobe_tolerance",
+            self.lobe_tolerance,
+            MAX_TOLERANCE,
+        )?;
         self.dual_scattering
             .map_or(Ok(()), |d| d.validate("sadeghi"))
     }
@@ -183,8 +204,25 @@ impl Sadeghi {
         let [low, high] = self.glint_angle;
         material.values[4] = [self.glint_intensity, self.glint_width, low, high];
         material.values[5] = self.tip_colour.extend(f32::from(self.normalised)).into();
+        material.values[13] = [self.roughness.strand, self.roughness.tip, 0.0, 0.0];
         material.values[14] = densities(self.dual_scattering);
         material
+    }
+
+    /// TT. The divisor of the normalised form only makes it less.
+    pub(crate) fn transmission(&self) -> Option<transmission::Lobe> {
+        let tt = &self.tt;
+        Some(transmission::Lobe {
+            along: transmission::Along::Gaussian {
+                shift: 2.0 * f64::from(tt.shift),
+                deviation: 2.0 * f64::from(tt.width),
+                height: f64::from(tt.colour.max_element() * tt.intensity),
+            },
+            around: transmission::Around::Gaussian {
+                width: f64::from(self.tt_azimuthal_width),
+            },
+            table_step: 0.0,
+        })
     }
 
     pub(crate) fn averaged(&self) -> Averaged {

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::Plan;
 use crate::resources::{Bound, RING};
-use crate::shader::Module;
+use crate::shader::{Constant, Module};
 
 /// Where a model's tables begin, in words: by one inclination, azimuthal; size and format; 0.
 pub(crate) type Place = [u32; 4];
@@ -152,7 +152,16 @@ impl Held {
 
 /// The module that fills a model's tables.
 pub(crate) fn module(files: &[&'static str]) -> Module {
-    Module::new(&["shadow/none", "shading/fibre_type", "shading/tables"]).and(files)
+    Module::new(&[
+        "shadow/none",
+        "shading/fibre_type",
+        "shading/material",
+        "shading/tables",
+    ])
+    .and(files)
+    .with("VARIES", Constant::Bool(false))
+    .with("NEAR", Constant::Bool(false))
+    .with("TRANSMITS", Constant::Bool(true))
 }
 
 /// Fills the tables that the GPU makes, where that has not been done.

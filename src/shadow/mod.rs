@@ -38,6 +38,9 @@ pub enum Shadow {
     OpacityShadowMaps(OpacityShadowMaps),
 }
 
+/// What finds a point's own fibre, beside the look-up.
+pub(crate) const OWN: &[&str] = &["common/coverage", "shadow/own"];
+
 impl Default for Shadow {
     fn default() -> Self {
         Self::DeepOpacityMap(DeepOpacityMap::default())
@@ -94,7 +97,7 @@ impl Shadow {
 
     /// The look-up with what finds a point's own fibre, which it is not to be shadowed by.
     pub(crate) fn module(&self) -> Module {
-        Module::new(self.look_up()).and(&["common/coverage", "shadow/own"])
+        Module::new(self.look_up()).and(OWN)
     }
 
     /// What tells a pipeline with one technique's look-up from another's.

@@ -7,7 +7,8 @@ use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
-use crate::transparency::{Fragments, Needs};
+use crate::shading::Shader;
+use crate::transparency::{Fragments, Needs, tail};
 
 const COUNT: Emission = Emission {
     label: "pelage.transparency.a_buffer.count",
@@ -17,6 +18,7 @@ const COUNT: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/tail_sums_emit",
         "transparency/a_buffer_store",
         "transparency/a_buffer_emit",
     ],
@@ -340,10 +342,11 @@ fn scan(
 }
 
 /// The files that supply `resolve(pixel)`.
-pub(crate) fn resolve_module(common: Module, storage: Storage) -> Module {
+pub(crate) fn resolve_module(common: Module, storage: Storage, shader: Option<&Shader>) -> Module {
     common
         .and(&[
             "transparency/overflow",
+            tail(shader),
             "transparency/a_buffer_whole",
             "transparency/a_buffer",
         ])

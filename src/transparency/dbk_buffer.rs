@@ -6,18 +6,21 @@
 //! the pixel's exact alpha is 1 - T_K T_R and the drawn one 1 - T_K; they differ by T_K (1 - T_R) ≤ T_K ≤ ε. The colour lacks
 //! T_K times the rest's own composite, which is no brighter than its brightest fragment: ε times that at most.
 //!
-//! The bins' range is that of the strands' points in tiles of 8×8 pixels. It bounds nothing: what is nearer falls into the
-//! first bin, what is farther into the last, and a poor range only costs memory.
+//! Where a pixel's bins lie is a guess: an estimate of the optical depth in its tile of 8×8 pixels, from one place on each
+//! segment, says between which depths the cut-off is likely. It bounds nothing: what is nearer falls into the first bin, what is
+//! farther into the last, and a poor guess only costs memory.
 
 use crate::error::{Result, invalid};
+use crate::geometry;
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::layout::HOST_TILE;
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Raster, Rasteriser};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::shading::Shader;
 use crate::transparency::a_buffer::{self, Store, scan_words, validate_pool};
-use crate::transparency::{Fragments, Needs};
+use crate::transparency::{Fragments, Needs, tail};
 
 const BINS: Emission = Emission {
     label: "pelage.transparency.dbk_buffer.bins",
@@ -27,6 +30,7 @@ const BINS: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/tail_sums_emit",
         "transparency/dbk_buffer_common",
         "transparency/a_buffer_store",
         "transparency/dbk_buffer_emit",
@@ -109,8 +113,12 @@ pub(crate) const EMISSIONS: [Emission; 11] = [
     STORE_BY_SHIFT.scatter_overflow,
 ];
 
+/// Pixels a side of the tiles whose depths place the bins; `DBK_TILE` in WGSL.
+const TILE: u32 = 8;
 /// Words a pixel: bins, and by a depth shift what lies beyond; `DBK_BINS` and `DBK_BEYOND_WORDS` in WGSL.
 const BIN_WORDS: u64 = 8;
+/// Words of a tile's histogram; `DBK_STEPS` in WGSL. All of them fit where the bins come later.
+const STEPS: u64 = 64;
 const BEYOND_WORDS: u64 = 3;
 
 /// Settings of the DBK-buffer.
@@ -170,7 +178,7 @@ impl DbkBuffer {
         Needs {
             fill: pixels * 8 + tiles * 8,
             links: scan_words(pixels) * 4,
-            overflow: pixels * 4 * (BIN_WORDS + beyond),
+            overflow: (pixels * (BIN_WORDS + beyond) + STEPS) * 4,
             fragments: Fragments::Pool {
                 linked: false,
                 bytes: self.pool_bytes,
@@ -203,7 +211,10 @@ pub(crate) fn count(
         raster::record(gpu, passes, bound, &KEPT, draw, plan)?;
         return pixel_pass(gpu, passes, bound, band, plan, &KEPT_COUNTS);
     }
-    depths(gpu, passes, bound, band, plan)?;
+    for step in [&DEPTHS, &ESTIMATE] {
+        point_pass(gpu, passes, bound, band, plan, step)?;
+    }
+    pixel_pass(gpu, passes, bound, band, plan, &RANGES)?;
     raster::record(gpu, passes, bound, &BINS, draw, plan)?;
     pixel_pass(gpu, passes, bound, band, plan, &CUT)?;
     // What one band does not need another may.
@@ -211,7 +222,12 @@ pub(crate) fn count(
         return Ok(());
     }
     pixel_pass(gpu, passes, bound, band, plan, &TILES)?;
-    drop_segments(gpu, passes, bound, band, plan)
+    drop_segments(gpu, passes, bound, band, plan)?;
+    if draw.rasteriser == Rasteriser::Walk {
+        let label = "pelage.transparency.dbk_buffer.order";
+        geometry::order(gpu, passes, bound, label, draw.drawings, plan)?;
+    }
+    Ok(())
 }
 
 /// Stores what is not cut off.
@@ -234,19 +250,33 @@ pub(crate) fn record(
     Ok(())
 }
 
-/// Ranges of depth in tiles.
-fn depths(
+/// A pass over all points: label and entry point.
+struct PointPass {
+    label: &'static str,
+    entry: &'static str,
+}
+
+const DEPTHS: PointPass = PointPass {
+    label: "pelage.transparency.dbk_buffer.depths",
+    entry: "dbk_buffer_depths",
+};
+const ESTIMATE: PointPass = PointPass {
+    label: "pelage.transparency.dbk_buffer.estimate",
+    entry: "dbk_buffer_estimate",
+};
+
+fn point_pass(
     gpu: &mut Gpu,
     passes: &mut Passes,
     bound: &Bound,
     band: &Band,
     plan: &Plan,
+    step: &PointPass,
 ) -> Result<()> {
-    let label = "pelage.transparency.dbk_buffer.depths";
     let groups = [Group::Frame, Group::Segments, Group::PixelsWritten];
-    let key = PipelineKey::new(label);
-    let pipeline = gpu.compute(key, "dbk_buffer_depths", &groups, depths_module)?;
-    passes.compute(label, |pass| {
+    let key = PipelineKey::new(step.label);
+    let pipeline = gpu.compute(key, step.entry, &groups, depths_module)?;
+    passes.compute(step.label, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(3, bound.pixels_written, &[]);
         for ((run, drawing), groups) in plan.runs.iter().zip(&band.drawings).zip(bound.runs) {
@@ -283,32 +313,39 @@ fn drop_segments(
     Ok(())
 }
 
-/// A pass over a band's pixels, or over the host's tiles.
+/// A pass over a band's pixels, or tiles of them.
 struct PixelPass {
     label: &'static str,
     entry: &'static str,
-    tiles: bool,
+    /// Pixels a side.
+    each: u32,
 }
+
+const RANGES: PixelPass = PixelPass {
+    label: "pelage.transparency.dbk_buffer.ranges",
+    entry: "dbk_buffer_ranges",
+    each: TILE,
+};
 
 const CUT: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.cut",
     entry: "dbk_buffer_cut",
-    tiles: false,
+    each: 1,
 };
 const TILES: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.tiles",
     entry: "dbk_buffer_tiles",
-    tiles: true,
+    each: HOST_TILE,
 };
 const SHIFT: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.shift",
     entry: "dbk_buffer_shift",
-    tiles: false,
+    each: 1,
 };
 const KEPT_COUNTS: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.kept_counts",
     entry: "dbk_buffer_kept",
-    tiles: false,
+    each: 1,
 };
 
 fn pixel_pass(
@@ -322,8 +359,7 @@ fn pixel_pass(
     let groups = [Group::Frame, Group::HostTiles, Group::PixelsWritten];
     let key = PipelineKey::new(step.label);
     let pipeline = gpu.compute(key, step.entry, &groups, pixels_module)?;
-    let each = if step.tiles { HOST_TILE } else { 1 };
-    let (x, y) = workgroups(plan.width.div_ceil(each) * band.rows.div_ceil(each));
+    let (x, y) = workgroups(plan.width.div_ceil(step.each) * band.rows.div_ceil(step.each));
     passes.compute(step.label, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(
@@ -366,7 +402,11 @@ pub(crate) fn pixels_module() -> Module {
 }
 
 /// The files that supply `resolve(pixel)`.
-pub(crate) fn resolve_module(common: Module, settings: &DbkBuffer) -> Module {
+pub(crate) fn resolve_module(
+    common: Module,
+    settings: &DbkBuffer,
+    shader: Option<&Shader>,
+) -> Module {
     let beyond: &[&'static str] = if settings.depth_shift.is_some() {
         &[
             "transparency/dbk_buffer_common",
@@ -376,7 +416,7 @@ pub(crate) fn resolve_module(common: Module, settings: &DbkBuffer) -> Module {
         &["transparency/a_buffer_whole"]
     };
     common
-        .and(&["transparency/overflow"])
+        .and(&["transparency/overflow", tail(shader)])
         .and(beyond)
         .and(&["transparency/a_buffer"])
         .with("LISTS", Constant::Bool(false))

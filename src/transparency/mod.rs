@@ -14,6 +14,7 @@ use crate::plan::{Band, Plan};
 use crate::raster::{Draw, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::shading::Shader;
 
 /// A transparency technique with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,7 +30,7 @@ pub enum Transparency {
 
 impl Default for Transparency {
     fn default() -> Self {
-        Self::ABuffer(ABuffer::default())
+        Self::DbkBuffer(DbkBuffer::default())
     }
 }
 
@@ -195,14 +196,33 @@ pub(crate) fn record(
     }
 }
 
-/// The files that supply `resolve(pixel)`.
-pub(crate) fn resolve_module(transparency: &Transparency, parts: u32) -> Module {
-    let common =
-        Module::new(&["common/pixels", "transparency/shaded"]).with("PARTS", Constant::U32(parts));
+/// The file that supplies the colour of what has overflowed a pool.
+pub(crate) fn tail(shader: Option<&Shader>) -> &'static str {
+    match shader {
+        None => "transparency/tail_sums",
+        Some(_) => "transparency/tail_samples",
+    }
+}
+
+/// The files that supply `resolve(pixel)`; with a shader, fragments are shaded there.
+pub(crate) fn resolve_module(
+    transparency: &Transparency,
+    parts: u32,
+    shader: Option<&Shader>,
+) -> Module {
+    let shaded = match shader {
+        None => Module::new(&["transparency/shaded"]),
+        Some(shader) => shader.fragments_module(),
+    };
+    let common = shaded
+        .and(&["common/pixels"])
+        .with("PARTS", Constant::U32(parts));
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
-        Transparency::ABuffer(settings) => a_buffer::resolve_module(common, settings.storage),
-        Transparency::DbkBuffer(settings) => dbk_buffer::resolve_module(common, settings),
+        Transparency::ABuffer(settings) => {
+            a_buffer::resolve_module(common, settings.storage, shader)
+        }
+        Transparency::DbkBuffer(settings) => dbk_buffer::resolve_module(common, settings, shader),
     }
 }
 

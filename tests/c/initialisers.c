@@ -35,6 +35,7 @@ int main(void) {
     PRINT(PelageShadow, PELAGE_SHADOW_INIT);
     PRINT(PelageOpaque, PELAGE_OPAQUE_INIT);
     PRINT(PelageABuffer, PELAGE_A_BUFFER_INIT);
+    PRINT(PelageDbkBuffer, PELAGE_DBK_BUFFER_INIT);
     PRINT(PelageTransparency, PELAGE_TRANSPARENCY_INIT);
     PRINT(PelageView, PELAGE_VIEW_INIT);
     PRINT(PelageLight, PELAGE_LIGHT_INIT);

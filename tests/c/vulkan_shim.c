@@ -1,8 +1,11 @@
 /*
- * Stands in the place of the Vulkan loader, passes every call on, and lets the images of windows fail: made as
- * libvulkan.so.1 and found by LD_LIBRARY_PATH. The real one is SHIM_VULKAN, a path.
+ * Stands in the place of the Vulkan loader, passes every call on, and lets some fail: made as libvulkan.so.1 and found by
+ * LD_LIBRARY_PATH. The real one is SHIM_VULKAN, a path.
  *
  * SHIM_RESULT is what vkAcquireNextImageKHR returns, as a number, instead of image SHIM_FIRST to SHIM_LAST, counted from 1.
+ *
+ * SHIM_SUBMIT and SHIM_ALLOCATE are what vkQueueSubmit and vkAllocateMemory return while they are set, which a program may do
+ * as it runs. When SHIM_SUBMIT is that the device is lost, all waits say so too.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -32,12 +35,50 @@ static VKAPI_ATTR VkResult VKAPI_CALL acquire(VkDevice device, VkSwapchainKHR sw
     return real_acquire(device, swapchain, timeout, semaphore, fence, index);
 }
 
+static PFN_vkQueueSubmit real_submit;
+static PFN_vkQueueWaitIdle real_wait_idle;
+static PFN_vkWaitSemaphores real_wait;
+static PFN_vkAllocateMemory real_allocate;
+
+static VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, uint32_t count, const VkSubmitInfo *infos, VkFence fence) {
+    VkResult result = (VkResult)number("SHIM_SUBMIT");
+    return result ? result : real_submit(queue, count, infos, fence);
+}
+
+static VkResult lost(void) {
+    return number("SHIM_SUBMIT") == VK_ERROR_DEVICE_LOST ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;
+}
+
+/* What has been submitted runs on without a device that is said to be lost: it is waited for all the same. */
+static VKAPI_ATTR VkResult VKAPI_CALL wait_idle(VkQueue queue) {
+    VkResult result = real_wait_idle(queue);
+    return lost() ? lost() : result;
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL wait_semaphores(VkDevice device, const VkSemaphoreWaitInfo *info, uint64_t timeout) {
+    return lost() ? lost() : real_wait(device, info, timeout);
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo *info,
+                                               const VkAllocationCallbacks *callbacks, VkDeviceMemory *memory) {
+    VkResult result = (VkResult)number("SHIM_ALLOCATE");
+    return result ? result : real_allocate(device, info, callbacks, memory);
+}
+
+/* Passes a function on by `own`, and keeps it in `real`. */
+#define PASS_ON(function, own, real)              \
+    if (found && !strcmp(name, #function)) {      \
+        real = (PFN_##function)found;             \
+        return (PFN_vkVoidFunction)own;           \
+    }
+
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const char *name) {
     PFN_vkVoidFunction found = real_device(device, name);
-    if (found && !strcmp(name, "vkAcquireNextImageKHR")) {
-        real_acquire = (PFN_vkAcquireNextImageKHR)found;
-        return (PFN_vkVoidFunction)acquire;
-    }
+    PASS_ON(vkAcquireNextImageKHR, acquire, real_acquire)
+    PASS_ON(vkQueueSubmit, submit, real_submit)
+    PASS_ON(vkQueueWaitIdle, wait_idle, real_wait_idle)
+    PASS_ON(vkWaitSemaphores, wait_semaphores, real_wait)
+    PASS_ON(vkAllocateMemory, allocate, real_allocate)
     return found;
 }
 

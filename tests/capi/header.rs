@@ -263,7 +263,16 @@ fn initialisers() -> String {
         "PELAGE_TRANSPARENCY_INIT",
         technique,
         opaque,
-        a_buffer
+        a_buffer,
+        dbk_buffer
+    );
+    initialiser!(
+        PelageDbkBuffer,
+        "PELAGE_DBK_BUFFER_INIT",
+        epsilon,
+        depth_shift,
+        raster,
+        pool_bytes
     );
     initialiser!(
         PelageView,
@@ -365,7 +374,13 @@ fn initialisers() -> String {
         usage,
         samples,
         layout_in,
-        layout_out
+        layout_out,
+        array_layers,
+        mip_levels,
+        layer,
+        mip_level,
+        owner_before,
+        owner_after
     );
     initialiser!(
         PelageVulkanView,
@@ -388,7 +403,9 @@ fn initialisers() -> String {
         offset,
         stride,
         low,
-        high
+        high,
+        owner_before,
+        owner_after
     );
     initialiser!(
         PelageVulkanSemaphore,

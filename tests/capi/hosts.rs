@@ -129,6 +129,48 @@ fn the_python_example_draws_the_picture_of_the_c_one() {
     assert!(error <= Some(1), "off by {error:?} of 255");
 }
 
+#[test]
+fn the_python_example_of_moving_guides_reads_what_is_beside_the_colour() {
+    let Some((python, _)) = python() else {
+        skipped("Python (Debian's python3)");
+        return;
+    };
+    let folder = folder("python_moving");
+    let printed = run(Command::new(python)
+        .arg(root().join("examples/python/moving.py"))
+        .arg("--library")
+        .arg(library())
+        .args(["--steps", "3", "--out", "motion.ppm"])
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .current_dir(&folder));
+    // Pixels, strands, copies, coverage, depth and motion of each step.
+    let steps: Vec<Vec<f64>> = printed
+        .lines()
+        .map(|line| {
+            let (_, figures) = line.split_once(": ").unwrap();
+            let words = figures.split([' ', ',']);
+            words.filter_map(|word| word.parse().ok()).collect()
+        })
+        .collect();
+    let [first, _, last] = &steps[..] else {
+        panic!("{printed}");
+    };
+    assert!(steps.iter().all(|step| step.len() == 6), "{printed}");
+    assert!(
+        steps
+            .iter()
+            .all(|step| step[0] > 1_000.0 && step[1] > 100.0)
+    );
+    assert!(steps.iter().all(|step| step[2] == 2.0 && step[3] > 500.0));
+    // Nothing has moved before the first step; then the guides do, and one copy comes nearer.
+    assert!(first[5] == 0.0 && last[5] > 3.0, "{printed}");
+    assert!(last[4] < first[4], "{printed}");
+    assert_eq!(
+        std::fs::metadata(folder.join("motion.ppm")).unwrap().len(),
+        15 + 3 * 192 * 192
+    );
+}
+
 /// Installs the library under test below a new folder of this test's own.
 fn install(name: &str, variables: &[(&str, &Path)]) -> PathBuf {
     let folder = folder(name);
@@ -222,7 +264,7 @@ fn a_cmake_project_of_ten_lines_builds_against_the_installed_library() {
 #[test]
 fn pkg_config_finds_the_installed_library() {
     if !has_program("pkg-config") {
-        skipped("pkg-config (Debian's pkgconf)");
+        skipped("pkg-config (Debian's pkg-config)");
         return;
     }
     let prefix = folder("install_pkg_config").join("prefix");

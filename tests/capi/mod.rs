@@ -5,6 +5,7 @@ mod grooms;
 mod handles;
 mod header;
 mod hosts;
+mod lost;
 mod outputs;
 mod pointers;
 mod programs;

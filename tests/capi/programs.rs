@@ -253,6 +253,7 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageShadow,
         PelageOpaque,
         PelageABuffer,
+        PelageDbkBuffer,
         PelageTransparency,
         PelageView,
         PelageLight,

@@ -1,7 +1,7 @@
 //! The host's own Vulkan device: C programs that have one, under the validation layer.
 //!
-//! `tests/c/vulkan.c` does the work; it stands between the library and Vulkan, so that it sees every use of the queue and
-//! can let things go wrong.
+//! `tests/c/vulkan.c` does the work, with what lies in `tests/c/vulkan`; it stands between the library and Vulkan, so that it
+//! sees every use of the queue and can let things go wrong.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -81,7 +81,26 @@ fn the_hosts_scene_and_the_hair_shadow_each_other() {
 #[test]
 fn hair_moves_by_the_hosts_buffers_as_it_does_by_the_cpus_arrays() {
     let printed = goes_right(&["moving"]);
-    assert_eq!(printed.matches("px of motion").count(), 11, "{printed}");
+    assert_eq!(printed.matches("px of motion").count(), 12, "{printed}");
+}
+
+#[test]
+fn two_layers_of_one_image_are_both_eyes_of_a_submission_and_the_others_are_left_alone() {
+    let printed = goes_right(&["layers"]);
+    assert!(
+        printed.contains("layers: 0 bytes differ, 0 of other parts"),
+        "{printed}"
+    );
+}
+
+#[test]
+fn images_change_hands_between_families_of_queues() {
+    let printed = goes_right(&["owners"]);
+    assert_eq!(
+        printed.matches("3 acquired, 3 released").count(),
+        2,
+        "{printed}"
+    );
 }
 
 #[test]

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 
-use super::programs::{compile, folder, has_header, root, run, skipped};
+use super::lost::{loader, shim};
+use super::programs::{compile, folder, has_header, run, skipped};
 use super::vulkan::{silent, validated};
 
 /// An X server without a screen.
@@ -124,34 +125,6 @@ fn wrong_windows_are_refused_with_a_sentence() {
 #[test]
 fn a_window_that_is_no_more_is_an_error_and_its_context_lives_on() {
     goes_right("gone", &[]);
-}
-
-/// A library in the place of Vulkan's that lets a window's images fail; its folder.
-fn shim() -> &'static PathBuf {
-    static SHIM: OnceLock<PathBuf> = OnceLock::new();
-    SHIM.get_or_init(|| {
-        let folder = folder("vulkan_shim");
-        let mut compiler = Command::new("cc");
-        compiler.args([
-            "-std=c99", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared",
-        ]);
-        compiler.arg(root().join("tests/c/vulkan_shim.c"));
-        compiler
-            .arg("-o")
-            .arg(folder.join("libvulkan.so.1"))
-            .arg("-ldl");
-        run(&mut compiler);
-        folder
-    })
-}
-
-/// Where Vulkan's own loader lies, as the dynamic linker says.
-fn loader() -> String {
-    let path = format!("{}:/usr/sbin:/sbin", std::env::var("PATH").unwrap());
-    let known = run(Command::new("ldconfig").arg("-p").env("PATH", path));
-    let line = known.lines().find(|line| line.contains("libvulkan.so.1 "));
-    let (_, place) = line.expect("Vulkan's loader").split_once("=> ").unwrap();
-    place.trim().to_owned()
 }
 
 /// Runs a mode in which the window's images from `first` to `last` fail with `result`.

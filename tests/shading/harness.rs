@@ -15,6 +15,11 @@ pub struct Case {
     pub wo: DVec3,
     /// Fibres towards the light; the light that comes straight is e^-fibres.
     pub fibres: f64,
+    pub strand: u32,
+    /// Root-to-tip coordinate.
+    pub coordinate: f64,
+    /// The part of the fibre's width that is seen.
+    pub across: [f64; 2],
 }
 
 /// The fibre's tangent and the first axis of its section, far from any axis of space.
@@ -52,6 +57,9 @@ pub fn case(theta_i: f64, theta_o: f64, phi: f64) -> Case {
         wi: direction(theta_i, 0.2),
         wo: direction(theta_o, 0.2 + phi),
         fibres: 0.0,
+        strand: 0,
+        coordinate: 0.0,
+        across: [-1.0, 1.0],
     }
 }
 
@@ -125,11 +133,12 @@ impl Evaluator {
             fn evaluate(@builtin(global_invocation_id) invocation: vec3u,
                 @builtin(num_workgroups) groups: vec3u) {
                 let i = invocation.x + invocation.y * groups.x * 64u;
-                if i * 3u >= arrayLength(&cases) { return; }
-                let fibre = Fibre(cases[3u * i].xyz, vec3f(1.0), 0.0, 0u);
-                let wo = cases[3u * i + 2u].xyz;
-                let shadow = ShadowSample(vec3f(cases[3u * i + 1u].w), cases[3u * i].w);
-                values[2u * i] = vec4f(scatter(fibre, cases[3u * i + 1u].xyz, wo, shadow), 0.0);
+                if i * 4u >= arrayLength(&cases) { return; }
+                let own = cases[4u * i + 3u];
+                let fibre = Fibre(cases[4u * i].xyz, vec3f(1.0), own.y, u32(own.x), own.zw);
+                let wo = cases[4u * i + 2u].xyz;
+                let shadow = ShadowSample(vec3f(cases[4u * i + 1u].w), cases[4u * i].w);
+                values[2u * i] = vec4f(scatter(fibre, cases[4u * i + 1u].xyz, wo, shadow), 0.0);
                 values[2u * i + 1u] = vec4f(scatter_uniform(fibre, wo), 0.0);
             }";
         let gpu = device.renderer.device().clone();
@@ -200,10 +209,12 @@ impl Evaluator {
             .iter()
             .flat_map(|case| {
                 let straight = (-case.fibres).exp();
+                let own = DVec3::new(f64::from(case.strand), case.coordinate, case.across[0]);
                 [
                     (case.tangent, case.fibres),
                     (case.wi, straight),
                     (case.wo, 0.0),
+                    (own, case.across[1]),
                 ]
                 .map(|(v, w)| v.as_vec3().extend(w as f32).into())
             })

@@ -26,7 +26,7 @@ fn evaluate(device: &mut Device, model: &KajiyaKay, cases: &[Case]) -> Vec<[Vec4
         fn evaluate(@builtin(global_invocation_id) invocation: vec3u) {
             let i = invocation.x;
             if i * 3u >= arrayLength(&cases) { return; }
-            let fibre = Fibre(cases[3u * i].xyz, vec3f(1.0, 0.5, 0.25), 0.0, 0u);
+            let fibre = Fibre(cases[3u * i].xyz, vec3f(1.0, 0.5, 0.25), 0.0, 0u, vec2f(-1.0, 1.0));
             let wo = cases[3u * i + 2u].xyz;
             let lit = ShadowSample(vec3f(1.0), 0.0);
             values[2u * i] = vec4f(scatter(fibre, cases[3u * i + 1u].xyz, wo, lit), 0.0);

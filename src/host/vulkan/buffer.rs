@@ -3,6 +3,7 @@
 use ash::vk;
 use glam::DVec3;
 
+use super::barrier::Families;
 use crate::error::{Error, Result, invalid};
 
 type Hal = wgpu::hal::api::Vulkan;
@@ -22,10 +23,14 @@ pub struct Points {
     pub stride: u64,
     /// As of [`crate::PointSource::bounds`].
     pub bounds: [DVec3; 2],
+    /// The family of queues from which the whole buffer is acquired before it is read, as of [`super::Image::owner_before`].
+    pub owner_before: Option<u32>,
+    /// The family to which it is released afterwards.
+    pub owner_after: Option<u32>,
 }
 
 impl Points {
-    pub(super) fn validate(&self) -> Result<()> {
+    pub(super) fn validate(&self, families: &Families) -> Result<()> {
         if self.buffer == vk::Buffer::null() {
             return invalid!("the buffer is NULL");
         }
@@ -35,7 +40,31 @@ impl Points {
         if !self.usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER) {
             return invalid!("the buffer's usage lacks VK_BUFFER_USAGE_STORAGE_BUFFER_BIT");
         }
-        Ok(())
+        families.validate("the buffer", "owner_before", self.owner_before)?;
+        families.validate("the buffer", "owner_after", self.owner_after)
+    }
+
+    /// Our half of the transfer by which the buffer changes hands; `None` where it stays where it is.
+    pub(super) fn owner_barrier(
+        &self,
+        families: &Families,
+        towards_us: bool,
+    ) -> Option<vk::BufferMemoryBarrier<'static>> {
+        let owner = if towards_us {
+            self.owner_before
+        } else {
+            self.owner_after
+        };
+        let transfer = families.transfer(owner, towards_us)?;
+        Some(
+            vk::BufferMemoryBarrier::default()
+                .buffer(self.buffer)
+                .size(vk::WHOLE_SIZE)
+                .src_queue_family_index(transfer.from)
+                .dst_queue_family_index(transfer.to)
+                .src_access_mask(transfer.src_access)
+                .dst_access_mask(transfer.dst_access),
+        )
     }
 
     /// The buffer as wgpu sees it, which never destroys it.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use ash::{ext, khr, vk};
 
+use super::barrier::Families;
 use super::image::Formats;
 use super::queue::QueueLock;
 use super::requirements::{self, Requirements};
@@ -35,7 +36,7 @@ pub struct DeviceDescriptor<'a> {
     pub physical_device: vk::PhysicalDevice,
     /// A device of the physical device.
     pub device: vk::Device,
-    /// The family of the queue to submit to, which is the images' own too.
+    /// The family of the queue to submit to.
     pub queue_family: u32,
     /// The queue's number within its family.
     pub queue_index: u32,
@@ -208,6 +209,7 @@ pub(super) struct Opened {
     pub queue: wgpu::Queue,
     pub raw: ash::Device,
     pub formats: Formats,
+    pub families: Families,
     pub info: wgpu::AdapterInfo,
 }
 
@@ -228,6 +230,13 @@ pub(super) unsafe fn open(descriptor: &DeviceDescriptor) -> Result<Opened> {
         &physical.raw,
         descriptor.physical_device,
     );
+    let families = Families {
+        own: descriptor.queue_family,
+        count: physical.families.len() as u32,
+        foreign: descriptor
+            .extensions
+            .contains(&ext::queue_family_foreign::NAME),
+    };
     // SAFETY: the device belongs to the instance.
     let raw = unsafe { ash::Device::load(physical.raw.fp_v1_0(), descriptor.device) };
     // SAFETY: the device was made with what `requirements` said; the drop callback keeps it.
@@ -268,6 +277,7 @@ pub(super) unsafe fn open(descriptor: &DeviceDescriptor) -> Result<Opened> {
         queue,
         raw,
         formats,
+        families,
         info,
     })
 }

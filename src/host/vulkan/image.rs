@@ -1,20 +1,22 @@
-//! The host's images: what of them can be drawn into, and the barriers at which they are taken and given back.
+//! The host's images: what of them can be drawn into, and the barriers by which they are taken and given back.
 
 use ash::vk;
 use wgpu::{TextureFormat, TextureUsages, TextureUses};
 
+use super::barrier::Families;
 use crate::error::{Error, Result, invalid};
+use crate::surface::Subresource;
 
 type Hal = wgpu::hal::api::Vulkan;
 
-/// An image of the host's: 2D, of which the first layer and the first mip level are used.
+/// An image of the host's: one layer and one mip level of a 2D image. The other ones are not touched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Image {
     /// The host's.
     pub image: vk::Image,
     /// As the image was made.
     pub format: vk::Format,
-    /// Width and height in pixels of the first mip level.
+    /// Width and height in pixels of mip level 0.
     pub extent: vk::Extent2D,
     /// As the image was made: a colour needs `COLOR_ATTACHMENT`; a depth `SAMPLED`, and `DEPTH_STENCIL_ATTACHMENT` where
     /// it is written.
@@ -25,6 +27,18 @@ pub struct Image {
     pub layout_in: vk::ImageLayout,
     /// The layout that the submission leaves it in.
     pub layout_out: vk::ImageLayout,
+    /// As the image was made.
+    pub array_layers: u32,
+    /// As the image was made.
+    pub mip_levels: u32,
+    /// Which layer and mip level is meant.
+    pub subresource: Subresource,
+    /// The family of queues from which the submission acquires the image, in `layout_in`, as the host has released it there:
+    /// one of the device's, `QUEUE_FAMILY_EXTERNAL`, or `QUEUE_FAMILY_FOREIGN_EXT` where its extension is enabled. `None`, and
+    /// the queue's own family: it is there already.
+    pub owner_before: Option<u32>,
+    /// The family to which the submission releases the image, in `layout_out`, likewise.
+    pub owner_after: Option<u32>,
 }
 
 /// What an image is for.
@@ -155,7 +169,12 @@ impl Formats {
 
 impl Image {
     /// Checks all of an image that can be checked without a device's help.
-    pub(super) fn validate(&self, aspect: Aspect, formats: &Formats) -> Result<()> {
+    pub(super) fn validate(
+        &self,
+        aspect: Aspect,
+        formats: &Formats,
+        families: &Families,
+    ) -> Result<()> {
         let name = aspect.name();
         if self.image == vk::Image::null() {
             return invalid!("{name}: the image is NULL");
@@ -171,6 +190,16 @@ impl Image {
         if width == 0 || height == 0 {
             return invalid!("{name}: an image of {width}×{height} pixels");
         }
+        let most = width.max(height).ilog2() + 1;
+        if self.array_layers == 0 || !(1..=most).contains(&self.mip_levels) {
+            return invalid!(
+                "{name}: an image of {} layers and {} mip levels; one of {width}×{height} pixels has at least one layer and from 1 to {most} levels",
+                self.array_layers,
+                self.mip_levels
+            );
+        }
+        self.subresource
+            .validate(name, self.array_layers, self.mip_levels)?;
         let (needed, word) = match aspect {
             Aspect::Depth | Aspect::Occluder => {
                 (vk::ImageUsageFlags::SAMPLED, "VK_IMAGE_USAGE_SAMPLED_BIT")
@@ -185,11 +214,18 @@ impl Image {
         }
         layout_fits(name, "layout_in", self.layout_in)?;
         layout_fits(name, "layout_out", self.layout_out)?;
-        if [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED].contains(&self.layout_out)
-        {
+        if leads_nowhere(self.layout_out) {
             return invalid!(
                 "{name}: layout_out is VK_IMAGE_LAYOUT_{:?}, in which no image can be left",
                 self.layout_out
+            );
+        }
+        families.validate(name, "owner_before", self.owner_before)?;
+        families.validate(name, "owner_after", self.owner_after)?;
+        if families.other(self.owner_before).is_some() && leads_nowhere(self.layout_in) {
+            return invalid!(
+                "{name}: layout_in is VK_IMAGE_LAYOUT_{:?}, in which no image can change hands; owner_before must be ignored",
+                self.layout_in
             );
         }
         Ok(())
@@ -227,6 +263,11 @@ impl Image {
             ))
         })
     }
+}
+
+/// Layouts to which no barrier leads.
+fn leads_nowhere(layout: vk::ImageLayout) -> bool {
+    [vk::ImageLayout::UNDEFINED, vk::ImageLayout::PREINITIALIZED].contains(&layout)
 }
 
 /// Layouts in which any image may be, of Vulkan 1.3 and of presentation.
@@ -272,9 +313,7 @@ impl Aspect {
 /// An image of the host's as a texture, for one submission.
 pub(super) struct Wrapped {
     pub texture: wgpu::Texture,
-    /// In which the texture is before and after the frame.
-    pub state: TextureUses,
-    /// The layout of that state.
+    /// In which the image is before and after the frame.
     layout: vk::ImageLayout,
     aspects: vk::ImageAspectFlags,
     image: Image,
@@ -292,7 +331,8 @@ impl Wrapped {
         formats: &Formats,
     ) -> Result<Self> {
         let format = image.format(aspect, formats)?;
-        let largest = device.limits().max_texture_dimension_2d;
+        let limits = device.limits();
+        let largest = limits.max_texture_dimension_2d;
         let vk::Extent2D { width, height } = image.extent;
         if width > largest || height > largest {
             return invalid!(
@@ -300,10 +340,18 @@ impl Wrapped {
                 aspect.name()
             );
         }
+        let most = limits.max_texture_array_layers;
+        if image.array_layers > most {
+            return invalid!(
+                "{}: an image of {} layers; up to {most} are possible",
+                aspect.name(),
+                image.array_layers
+            );
+        }
         let size = wgpu::Extent3d {
             width,
             height,
-            depth_or_array_layers: 1,
+            depth_or_array_layers: image.array_layers,
         };
         // As little as the library uses: a texture needs no more of the image's usage.
         let (state, layout, aspects, usage) = match aspect {
@@ -352,7 +400,7 @@ impl Wrapped {
         let described = wgpu::hal::TextureDescriptor {
             label: None,
             size,
-            mip_level_count: 1,
+            mip_level_count: image.mip_levels,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format,
@@ -360,7 +408,7 @@ impl Wrapped {
             memory_flags: wgpu::hal::MemoryFlags::empty(),
             view_formats: Vec::new(),
         };
-        // SAFETY: the image is as described, by the host's promise; its first layer and level are a 2D image.
+        // SAFETY: the image is as described, by the host's promise.
         let texture = unsafe {
             raw.texture_from_raw(
                 image.image,
@@ -373,7 +421,7 @@ impl Wrapped {
         let descriptor = wgpu::TextureDescriptor {
             label: None,
             size,
-            mip_level_count: 1,
+            mip_level_count: image.mip_levels,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format,
@@ -384,75 +432,62 @@ impl Wrapped {
         let texture = unsafe { device.create_texture_from_hal::<Hal>(texture, &descriptor, state) };
         Ok(Self {
             texture,
-            state,
             layout,
             aspects,
             image: *image,
         })
     }
 
-    /// The barrier that takes the image from the host, or gives it back.
-    pub fn barrier(&self, towards_us: bool) -> vk::ImageMemoryBarrier<'static> {
+    /// The barrier that brings the image into the layout of the frame's own, or out of it.
+    pub fn layout_barrier(&self, towards_us: bool) -> vk::ImageMemoryBarrier<'static> {
         let (from, to) = if towards_us {
             (self.image.layout_in, self.layout)
         } else {
             (self.layout, self.image.layout_out)
         };
-        let range = vk::ImageSubresourceRange::default()
-            .aspect_mask(self.aspects)
-            .level_count(1)
-            .layer_count(1);
-        vk::ImageMemoryBarrier::default()
-            .image(self.image.image)
+        self.barrier()
             .old_layout(from)
             .new_layout(to)
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
             .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
+    }
+
+    /// Our half of the transfer by which the image changes hands, in the layout that it keeps meanwhile; `None` where it
+    /// stays where it is.
+    pub fn owner_barrier(
+        &self,
+        families: &Families,
+        towards_us: bool,
+    ) -> Option<vk::ImageMemoryBarrier<'static>> {
+        let (owner, layout) = if towards_us {
+            (self.image.owner_before, self.image.layout_in)
+        } else {
+            (self.image.owner_after, self.image.layout_out)
+        };
+        let transfer = families.transfer(owner, towards_us)?;
+        Some(
+            self.barrier()
+                .old_layout(layout)
+                .new_layout(layout)
+                .src_queue_family_index(transfer.from)
+                .dst_queue_family_index(transfer.to)
+                .src_access_mask(transfer.src_access)
+                .dst_access_mask(transfer.dst_access),
+        )
+    }
+
+    fn barrier(&self) -> vk::ImageMemoryBarrier<'static> {
+        let Subresource { layer, mip_level } = self.image.subresource;
+        let range = vk::ImageSubresourceRange::default()
+            .aspect_mask(self.aspects)
+            .base_mip_level(mip_level)
+            .level_count(1)
+            .base_array_layer(layer)
+            .layer_count(1);
+        vk::ImageMemoryBarrier::default()
+            .image(self.image.image)
             .subresource_range(range)
     }
-}
-
-/// A command buffer of one full barrier, with these of images among it.
-///
-/// # Safety
-/// The images are in the old layouts when the commands run.
-pub(super) unsafe fn record_barriers(
-    device: &wgpu::Device,
-    raw: &ash::Device,
-    images: &[vk::ImageMemoryBarrier],
-) -> Result<wgpu::CommandBuffer> {
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
-        label: Some("pelage.vulkan.barrier"),
-    });
-    let memory = vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
-        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE);
-    let record = |encoder: Option<&mut <Hal as wgpu::hal::Api>::CommandEncoder>| {
-        let Some(encoder) = encoder else {
-            return false;
-        };
-        let all = vk::PipelineStageFlags::ALL_COMMANDS;
-        // SAFETY: the command buffer is being recorded, outside a pass; the images live, by the caller's promise.
-        unsafe {
-            raw.cmd_pipeline_barrier(
-                encoder.raw_handle(),
-                all,
-                all,
-                vk::DependencyFlags::empty(),
-                &[memory],
-                &[],
-                images,
-            );
-        }
-        true
-    };
-    // SAFETY: the encoder is used for nothing else, and its command buffer neither ended nor destroyed.
-    if !unsafe { encoder.as_hal_mut::<Hal, _, _>(record) } {
-        return Err(Error::DeviceLost(
-            "no command buffer could be recorded".into(),
-        ));
-    }
-    Ok(encoder.finish())
 }

@@ -9,16 +9,18 @@
 //! its last. So a host that submits to the same queue before and after needs no semaphore at all, and one that uses
 //! another queue needs nothing but semaphores.
 
+mod barrier;
 mod buffer;
 mod device;
 mod image;
 mod queue;
 mod requirements;
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 pub use ash;
 use ash::vk;
+use wgpu::TextureUses;
 
 pub use buffer::Points;
 pub use device::{DeviceDescriptor, HostInstance};
@@ -26,7 +28,9 @@ pub use image::{Aspect, Image, colour_formats, depth_formats};
 pub use queue::{QueueLock, Semaphore};
 pub use requirements::{FEATURE_STORAGE, Requirements, requirements};
 
+use self::barrier::{Families, Step};
 use self::image::Wrapped;
+use super::lost::Lost;
 use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, Outputs, ShadowImage, Target};
 use crate::gather::PointSource;
@@ -34,12 +38,17 @@ use crate::geometry::Hair;
 use crate::occluder::Occluder;
 use crate::renderer::Renderer;
 use crate::resources::RING;
+use crate::surface::Subresources;
 
 /// The least version of Vulkan, of the instance and of the device.
 pub const API_VERSION: u32 = vk::API_VERSION_1_3;
 
 /// The most views of one submission.
 pub const MAX_VIEWS: usize = RING;
+
+/// The most updates of one hair that wait for a submission: no more than two of them can be seen, the last by motion vectors
+/// from the one before.
+pub const MAX_WAITING_UPDATES: u32 = 16;
 
 /// One view to be drawn: a frame, and the host's images that it goes into.
 #[derive(Debug, Clone, Copy)]
@@ -118,10 +127,13 @@ pub struct Vulkan {
     renderer: Option<Renderer>,
     device: ash::Device,
     formats: image::Formats,
+    families: Families,
     /// What the next submission does before its views.
     ahead: Vec<wgpu::CommandBuffer>,
     lock: Option<Arc<dyn QueueLock>>,
-    lost: Arc<OnceLock<String>>,
+    /// How many submissions there have been.
+    submissions: u64,
+    lost: Lost,
     info: wgpu::AdapterInfo,
 }
 
@@ -138,11 +150,7 @@ impl Vulkan {
     pub unsafe fn new(descriptor: &DeviceDescriptor) -> Result<Self> {
         // SAFETY: the host's promise is passed on.
         let opened = unsafe { device::open(descriptor) }?;
-        let lost = Arc::new(OnceLock::new());
-        let reason = lost.clone();
-        opened
-            .device
-            .set_device_lost_callback(move |_, message| _ = reason.set(message));
+        let lost = Lost::watch(&opened.device);
         opened
             .device
             .on_uncaptured_error(Arc::new(|error| log::error!("{error}")));
@@ -151,8 +159,10 @@ impl Vulkan {
             renderer: None,
             device: opened.raw,
             formats: opened.formats,
+            families: opened.families,
             ahead: Vec::new(),
             lock: descriptor.lock.clone(),
+            submissions: 0,
             lost,
             info: opened.info,
         };
@@ -179,13 +189,10 @@ impl Vulkan {
     /// # Errors
     /// Those of `call`; a device that was lost before or meanwhile.
     pub fn with_renderer<T>(&mut self, call: impl FnOnce(&mut Renderer) -> Result<T>) -> Result<T> {
-        self.alive()?;
+        self.lost.alive()?;
         let renderer = self.renderer.as_mut().ok_or_else(gone)?;
         let result = call(renderer);
-        match self.lost.get() {
-            None => result,
-            Some(reason) => Err(lost_just_now(reason)),
-        }
+        self.lost.settle(result)
     }
 
     /// Records commands that the next submission of [`Vulkan::render`] does before its views. The calls that
@@ -197,7 +204,16 @@ impl Vulkan {
         &mut self,
         call: impl FnOnce(&mut Renderer, &mut wgpu::CommandEncoder) -> Result<()>,
     ) -> Result<()> {
-        self.alive()?;
+        let commands = self.commands_ahead(call)?;
+        self.ahead.push(commands);
+        Ok(())
+    }
+
+    fn commands_ahead(
+        &mut self,
+        call: impl FnOnce(&mut Renderer, &mut wgpu::CommandEncoder) -> Result<()>,
+    ) -> Result<wgpu::CommandBuffer> {
+        self.lost.alive()?;
         let renderer = self.renderer.as_mut().ok_or_else(gone)?;
         let device = renderer.device().clone();
         let errors = Errors::watch(&device);
@@ -206,8 +222,31 @@ impl Vulkan {
         });
         let recorded = call(renderer, &mut encoder).map(|()| encoder.finish());
         let found = errors.take();
-        let commands = self.settle(recorded, found)?;
-        self.ahead.push(commands);
+        self.settle(recorded, found)
+    }
+
+    /// Updates a hair by `call`, unless [`MAX_WAITING_UPDATES`] of this hair wait for a submission: each holds memory until then.
+    ///
+    /// # Errors
+    /// Those of `call`; too many updates.
+    pub fn update(
+        &mut self,
+        hair: &mut Hair,
+        call: impl FnOnce(&mut Self, &mut Hair) -> Result<()>,
+    ) -> Result<()> {
+        let (submission, count) = hair.geometry.waiting;
+        let count = if submission == self.submissions {
+            count
+        } else {
+            0
+        };
+        if count >= MAX_WAITING_UPDATES {
+            return Err(Error::Conflict(format!(
+                "{count} updates of the hair wait for a submission; hand them over first, by one of no views if nothing is to be drawn"
+            )));
+        }
+        call(self, hair)?;
+        hair.geometry.waiting = (self.submissions, count + 1);
         Ok(())
     }
 
@@ -223,7 +262,8 @@ impl Vulkan {
     /// semaphore on the same queue.
     ///
     /// # Errors
-    /// A buffer that is NULL or lacks the usage `STORAGE_BUFFER`; those of the two functions.
+    /// A buffer that is NULL or lacks the usage `STORAGE_BUFFER`; a family that there is not; those of the two functions, and of
+    /// [`Vulkan::update`].
     ///
     /// # Safety
     /// The buffer is what it is said to be, bound to memory, and stays valid until the GPU is done with the next
@@ -234,8 +274,32 @@ impl Vulkan {
         source: &Points,
         guides: bool,
     ) -> Result<()> {
-        source.validate()?;
-        self.record_ahead(|renderer, encoder| {
+        self.update(hair, |context, hair| {
+            // SAFETY: the host's promise is passed on.
+            unsafe { context.record_update(hair, source, guides) }
+        })
+    }
+
+    unsafe fn record_update(
+        &mut self,
+        hair: &mut Hair,
+        source: &Points,
+        guides: bool,
+    ) -> Result<()> {
+        source.validate(&self.families)?;
+        self.lost.alive()?;
+        let device = self.renderer.as_ref().ok_or_else(gone)?.device();
+        let transfer = |towards_us| {
+            let barrier = source.owner_barrier(&self.families, towards_us);
+            let step = Step {
+                buffers: barrier.as_slice(),
+                images: &[],
+            };
+            // SAFETY: the buffer belongs to the family that the host has named.
+            barrier.map(|_| unsafe { barrier::record(device, &self.device, &[step]) })
+        };
+        let (acquired, released) = (transfer(true).transpose()?, transfer(false).transpose()?);
+        let commands = self.commands_ahead(|renderer, encoder| {
             // SAFETY: the host's promise is passed on.
             let buffer = unsafe { source.wrap(renderer.device()) }?;
             let source = PointSource {
@@ -249,7 +313,10 @@ impl Vulkan {
             } else {
                 renderer.update_points_from(encoder, hair, &source)
             }
-        })
+        })?;
+        self.ahead
+            .extend(acquired.into_iter().chain([commands]).chain(released));
+        Ok(())
     }
 
     /// Records views into one submission and hands it to the queue. Waits for nothing, unless more than [`MAX_VIEWS`]
@@ -270,7 +337,7 @@ impl Vulkan {
         waits: &[Semaphore],
         signals: &[Semaphore],
     ) -> Result<()> {
-        self.alive()?;
+        self.lost.alive()?;
         if views.len() > MAX_VIEWS {
             return invalid!(
                 "{} views: one submission takes at most {MAX_VIEWS}",
@@ -280,7 +347,7 @@ impl Vulkan {
         queue::validate("waits", waits)?;
         queue::validate("signals", signals)?;
         for (number, view) in views.iter().enumerate() {
-            view.validate(&self.formats)
+            view.validate(&self.formats, &self.families)
                 .map_err(|error| about(number, error))?;
         }
         let device = self.renderer.as_ref().ok_or_else(gone)?.device().clone();
@@ -302,7 +369,9 @@ impl Vulkan {
         // SAFETY: the host's promise is passed on.
         let submitted = unsafe { self.submit(commands, waits, signals) };
         let found = errors.take();
-        self.settle(submitted, found)
+        self.settle(submitted, found)?;
+        self.submissions += 1;
+        Ok(())
     }
 
     /// What comes before the views: a barrier, what has been recorded ahead, a barrier.
@@ -310,8 +379,8 @@ impl Vulkan {
         if self.ahead.is_empty() {
             return Ok(Vec::new());
         }
-        // SAFETY: no image is named.
-        let barrier = || unsafe { image::record_barriers(device, &self.device, &[]) };
+        // SAFETY: nothing is named.
+        let barrier = || unsafe { barrier::record(device, &self.device, &[Step::default()]) };
         let (first, last) = (barrier()?, barrier()?);
         let mut commands = vec![first];
         commands.append(&mut self.ahead);
@@ -363,6 +432,7 @@ impl Vulkan {
             .map(|(given, wrapped)| Occluder {
                 light: given.light,
                 depth: &wrapped.texture,
+                subresource: given.depth.subresource,
                 clip_from_world: given.clip_from_world,
                 reverse_z: given.reverse_z,
                 flip_y: given.flip_y,
@@ -374,9 +444,10 @@ impl Vulkan {
             .shadow_images
             .iter()
             .zip(&shadow_images)
-            .map(|((light, _), wrapped)| ShadowImage {
+            .map(|((light, given), wrapped)| ShadowImage {
                 light: *light,
                 image: &wrapped.texture,
+                subresource: given.subresource,
             })
             .collect();
         let target = Target {
@@ -395,20 +466,41 @@ impl Vulkan {
             occluders: &occluding,
             shadow_images: &shadows,
             shadows_only: view.shadows_only,
+            subresources: view.subresources(),
         };
         renderer.record(&mut encoder, view.frame, &target)?;
+        // Colour and outputs end as they began, as targets. Of the depth the other layers and levels are read-only from the
+        // start, so that nothing happens to them.
         encoder.transition_resources(
             std::iter::empty(),
-            images().map(|image| wgpu::TextureTransition {
-                texture: &image.texture,
-                selector: None,
-                state: image.state,
-            }),
+            depth
+                .iter()
+                .chain(&occluders)
+                .map(|depth| wgpu::TextureTransition {
+                    texture: &depth.texture,
+                    selector: None,
+                    state: TextureUses::RESOURCE,
+                }),
         );
         let barriers = |towards_us| {
-            let barriers: Vec<_> = images().map(|image| image.barrier(towards_us)).collect();
-            // SAFETY: the images are in the layouts that the barriers expect: the host's, and after the frame its own.
-            unsafe { image::record_barriers(&device, &self.device, &barriers) }
+            let layouts: Vec<_> = images()
+                .map(|image| image.layout_barrier(towards_us))
+                .collect();
+            let owners: Vec<_> = images()
+                .filter_map(|image| image.owner_barrier(&self.families, towards_us))
+                .collect();
+            let step = |images| Step {
+                buffers: &[],
+                images,
+            };
+            // What changes hands is taken before all else, and given back after all else.
+            let mut steps = vec![step(&layouts[..])];
+            if !owners.is_empty() {
+                steps.insert(usize::from(!towards_us), step(&owners));
+            }
+            // SAFETY: the images are in the layouts that the barriers expect, and belong to the families that they name: the
+            // host's, and after the frame its own.
+            unsafe { barrier::record(&device, &self.device, &steps) }
         };
         Ok([barriers(true)?, encoder.finish(), barriers(false)?])
     }
@@ -446,25 +538,14 @@ impl Vulkan {
 
     /// Says what a lost device, or else the call itself, or else wgpu had to say.
     fn settle<T>(&self, result: Result<T>, found: Option<wgpu::Error>) -> Result<T> {
-        if let Some(reason) = self.lost.get() {
-            return Err(lost_just_now(reason));
-        }
-        match (result, found) {
+        self.lost.settle(match (result, found) {
             (Err(error), _) => Err(error),
             (Ok(_), Some(error @ wgpu::Error::OutOfMemory { .. })) => {
                 Err(Error::OutOfMemory(error.to_string()))
             }
             (Ok(_), Some(error)) => Err(Error::Internal(error.to_string())),
             (Ok(value), None) => Ok(value),
-        }
-    }
-
-    /// Checks that the device has not been lost in an earlier call.
-    fn alive(&self) -> Result<()> {
-        match self.lost.get() {
-            None => Ok(()),
-            Some(reason) => Err(lost_before(reason)),
-        }
+        })
     }
 
     /// Takes the host's lock around the queue.
@@ -485,8 +566,8 @@ impl Drop for Vulkan {
 }
 
 impl View<'_> {
-    fn validate(&self, formats: &image::Formats) -> Result<()> {
-        self.colour.validate(Aspect::Colour, formats)?;
+    fn validate(&self, formats: &image::Formats, families: &Families) -> Result<()> {
+        self.colour.validate(Aspect::Colour, formats, families)?;
         if self.colour.layout_in == vk::ImageLayout::UNDEFINED && (!self.clear || self.shadows_only)
         {
             return invalid!(
@@ -494,12 +575,13 @@ impl View<'_> {
             );
         }
         let vk::Extent2D { width, height } = self.colour.extent;
+        let [width, height] = self.colour.subresource.size([width, height]);
         let fills = self
             .rectangle
             .is_none_or(|area| area == [0, 0, width, height]);
         let mut seen = vec![(Aspect::Colour, self.colour)];
         for (aspect, image) in self.others() {
-            image.validate(aspect, formats)?;
+            image.validate(aspect, formats, families)?;
             let name = aspect.name();
             let kept = matches!(aspect, Aspect::Depth | Aspect::Occluder) || !fills;
             if image.layout_in == vk::ImageLayout::UNDEFINED && kept {
@@ -507,12 +589,30 @@ impl View<'_> {
                     "{name}: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds"
                 );
             }
-            if let Some((other, _)) = seen.iter().find(|(_, other)| other.image == image.image) {
-                return invalid!("{name} is the same image as {}", other.name());
+            let same = |(_, other): &&(Aspect, &Image)| {
+                (other.image, other.subresource) == (image.image, image.subresource)
+            };
+            if let Some((other, _)) = seen.iter().find(same) {
+                return invalid!(
+                    "{name} is the same image as {}, and the same layer and mip level of it",
+                    other.name()
+                );
             }
             seen.push((aspect, image));
         }
         Ok(())
+    }
+
+    fn subresources(&self) -> Subresources {
+        let of = |image: Option<&Image>| image.map(|image| image.subresource).unwrap_or_default();
+        Subresources {
+            colour: self.colour.subresource,
+            depth: of(self.depth),
+            nearest_depth: of(self.outputs.nearest_depth),
+            coverage: of(self.outputs.coverage),
+            motion: of(self.outputs.motion),
+            ids: of(self.outputs.ids),
+        }
     }
 
     /// The images that are given beside the colour.
@@ -544,24 +644,6 @@ impl Errors {
         }
         found
     }
-}
-
-/// The error of the call in which the device was lost: wgpu gives devices up where memory fails in the wrong place.
-fn lost_just_now(reason: &str) -> Error {
-    if reason == wgpu::hal::DeviceError::OutOfMemory.to_string() {
-        Error::OutOfMemory("the driver has no memory left; the context is dead".into())
-    } else {
-        lost_before(reason)
-    }
-}
-
-/// The error of every later call.
-fn lost_before(reason: &str) -> Error {
-    Error::DeviceLost(if reason == wgpu::hal::DeviceError::Lost.to_string() {
-        "the driver has given it up".into()
-    } else {
-        reason.to_string()
-    })
 }
 
 fn gone() -> Error {

@@ -6,12 +6,13 @@ use pelage::Raster;
 use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
 use pelage::shading::{
-    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
+    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, ShadingRate,
+    Tables,
 };
 use pelage::shadow::{
     ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
 };
-use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
 use serde_json::Value;
 
 use super::Group;
@@ -52,6 +53,30 @@ pub const SCENES: &[Scene] = &[
         opacity: 0.5,
         quick: false,
     },
+    Scene {
+        name: "straight_0.1",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.1,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.3",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.3,
+        quick: false,
+    },
+    Scene {
+        name: "straight_0.9",
+        groom: BuiltinGroom::Straight,
+        strands: 50_000,
+        size: [656, 861],
+        opacity: 0.9,
+        quick: false,
+    },
 ];
 
 /// One technique with its settings.
@@ -65,6 +90,8 @@ pub struct Case {
     pub shadow: Shadow,
     /// The transparency technique.
     pub transparency: Transparency,
+    /// Where the model is evaluated, in cases that compare rates: their truth is shaded at fragments.
+    pub rate: Option<ShadingRate>,
     /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
     pub pool: Option<f64>,
 }
@@ -90,6 +117,9 @@ impl Case {
             map.shift_remove("technique");
             map.shift_remove("model");
             map.retain(|_, value| !value.is_null());
+            if let Some(rate) = self.rate {
+                map.insert("rate".into(), techniques::rate_setting(rate));
+            }
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
             }
@@ -241,6 +271,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
         shading: white(0.09, 60.0),
         shadow: Shadow::None,
         transparency: Transparency::Opaque(Opaque::default()),
+        rate: None,
         pool: None,
     };
     let mut cases = Vec::new();
@@ -260,6 +291,19 @@ pub fn cases(quick: bool) -> Vec<Case> {
         shadow,
         ..base.clone()
     }));
+    for shading in [
+        white(0.09, 60.0),
+        Shading::Marschner(Marschner::default()),
+        Shading::Chiang(Chiang::default()),
+    ] {
+        cases.extend(
+            [ShadingRate::Point, ShadingRate::Fragment].map(|rate| Case {
+                shading,
+                rate: Some(rate),
+                ..base.clone()
+            }),
+        );
+    }
     let base = Case {
         group: Group::Transparency,
         ..base
@@ -294,6 +338,15 @@ pub fn cases(quick: bool) -> Vec<Case> {
                 ..base.clone()
             });
         }
+    }
+    for epsilon in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0] {
+        cases.push(Case {
+            transparency: Transparency::DbkBuffer(DbkBuffer {
+                epsilon,
+                ..DbkBuffer::default()
+            }),
+            ..base.clone()
+        });
     }
     cases
 }

@@ -6,7 +6,7 @@ use pelage::glam::Vec3;
 use pelage::host::offscreen::{Image, Offscreen, OffscreenOptions};
 use pelage::shadow::Shadow;
 use pelage::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
-use pelage::transparency::{Storage, Transparency};
+use pelage::transparency::{DbkBuffer, Storage, Transparency};
 use pelage::{Frame, Hair, Light, LightKind, Target, wgpu};
 use pelage_reference::composite;
 use pelage_reference::error::colour_error;
@@ -44,7 +44,7 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
             (error, Some(image_error))
         }
         Group::Shading => (
-            bench.image_error(&case, &truth.nearest(&case.shading)?)?,
+            bench.image_error(&case, &truth.nearest(&case.shading, case.rate.is_some())?)?,
             None,
         ),
         Group::Transparency => (bench.image_error(&case, truth.exact(&case.shading)?)?, None),
@@ -74,6 +74,14 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
             stored: fragments.stored,
             merged: fragments.merged,
         }),
+        fewest: match case.transparency {
+            Transparency::DbkBuffer(DbkBuffer {
+                epsilon,
+                depth_shift: None,
+                ..
+            }) => Some(truth.fewest(f64::from(epsilon))),
+            _ => None,
+        },
         adapter: info.name.clone(),
         driver: format!("{} {}", info.driver, info.driver_info)
             .trim()
@@ -115,6 +123,7 @@ impl<'a> Bench<'a> {
             .map_err(sentence)?;
         hair.opacity = scene.opacity;
         hair.shading = case.shading;
+        hair.shading_rate = case.rate.unwrap_or_default();
         Ok(Self {
             offscreen,
             image,

@@ -35,6 +35,9 @@ pub struct Row {
     pub bytes: u64,
     /// What became of the fragments.
     pub fragments: Option<Fragments>,
+    /// The fewest fragments that the technique's tolerance allows, by the reference.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub fewest: Option<u64>,
     /// The device.
     pub adapter: String,
     /// Its driver.

@@ -8,7 +8,7 @@ use pelage::groom::{self, Curve, Strands};
 use pelage::shading::Shading;
 use pelage_reference::composite::{self, Image, point_colours};
 use pelage_reference::fibre::{Direction, FibreModel};
-use pelage_reference::fragments::{FragmentLists, fragment_lists};
+use pelage_reference::fragments::{Fragment, FragmentLists, fragment_lists};
 use pelage_reference::project::curve_tangents;
 use pelage_reference::scene::Camera;
 use pelage_reference::transmittance::{Light, Occluders, Query};
@@ -201,8 +201,20 @@ impl Truth {
         Ok((0..points.len()).into_par_iter().map(radiance).collect())
     }
 
-    /// The picture of each pixel's nearest fragment.
-    pub fn nearest(&self, shading: &Shading) -> Result<Image> {
+    /// The picture of each pixel's nearest fragment, its colour interpolated between points or found at its own place.
+    pub fn nearest(&self, shading: &Shading, at_fragments: bool) -> Result<Image> {
+        if at_fragments {
+            let scatter = scatter(shading)?;
+            let (eye, points, tangents) = (self.eye, &self.reference.points, &self.tangents);
+            let colour = |fragment: &Fragment| {
+                let (first, t) = (fragment.segment as usize, fragment.t);
+                let place = |values: &[DVec3]| values[first].lerp(values[first + 1], t);
+                let tangent = place(tangents).normalize_or(tangents[first]);
+                let to_eye = eye - place(points);
+                (IRRADIANCE * scatter(tangent, -LIGHT_DIRECTION, to_eye)).to_array()
+            };
+            return Ok(composite::opaque(&self.lists, self.opacity, colour));
+        }
         let mut shown = vec![false; self.reference.points.len()];
         for fragment in (0..self.lists.pixels()).filter_map(|at| self.lists.pixel(at).first()) {
             let first = fragment.segment as usize;
@@ -224,6 +236,12 @@ impl Truth {
             self.exact.set(image).ok();
         }
         self.exact.get().ok_or_else(|| "no picture".into())
+    }
+
+    /// The fewest fragments that must be stored for what lies behind them to receive less than `tolerance` of the light.
+    pub fn fewest(&self, tolerance: f64) -> u64 {
+        let needed = composite::fragments_needed(&self.lists, self.opacity, tolerance);
+        needed.iter().map(|count| *count as u64).sum()
     }
 
     /// Transmittances of nearest fragments, evenly picked over the covered pixels. They are means over a disc of half

@@ -7,123 +7,24 @@
 //! one of [`Encoding::Unorm8`] or [`Encoding::Unorm10`] by the pass that presents; both clip to 0…1, there is no tone curve.
 //! A surface of [`Encoding::Float16`] takes linear values as they are, those above 1 too; the screen makes of them what it can.
 
-use std::sync::{Arc, OnceLock};
+mod encoding;
+mod pass;
 
 use glam::Vec3;
 use wgpu::rwh::{RawDisplayHandle, RawWindowHandle};
 
+pub use self::encoding::{ENCODINGS, Encoding, PRESENT_MODES, PresentMode};
+
+use self::encoding::{check_mode, choose, encodings, modes, no_format};
+use self::pass::Pass;
 use super::offscreen::{Image, Offscreen, OffscreenOptions};
 use crate::error::{Error, Result, invalid};
-
-const SOURCE: &str = include_str!("../../shaders/host/present.wgsl");
-const LABEL: &str = "pelage.window.present";
 
 /// Frames that may wait to be shown.
 const LATENCY: u32 = 2;
 /// How often one call makes a surface anew that is lost or outdated before it leaves the frame to the next call: a window
 /// that is being dragged changes again meanwhile.
 const ATTEMPTS: usize = 3;
-
-/// How frames come to the screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PresentMode {
-    /// Each frame in its turn, at the screen's rate; the host waits where it is faster. Every surface has it.
-    #[default]
-    Fifo,
-    /// The newest frame at the screen's next refresh; older ones are dropped, and the host does not wait.
-    Mailbox,
-    /// At once, even while the screen is being refreshed.
-    Immediate,
-}
-
-/// All present modes.
-pub const PRESENT_MODES: [PresentMode; 3] = [
-    PresentMode::Fifo,
-    PresentMode::Mailbox,
-    PresentMode::Immediate,
-];
-
-impl PresentMode {
-    fn wgpu(self) -> wgpu::PresentMode {
-        match self {
-            Self::Fifo => wgpu::PresentMode::Fifo,
-            Self::Mailbox => wgpu::PresentMode::Mailbox,
-            Self::Immediate => wgpu::PresentMode::Immediate,
-        }
-    }
-
-    /// The word for it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Fifo => "fifo",
-            Self::Mailbox => "mailbox",
-            Self::Immediate => "immediate",
-        }
-    }
-}
-
-/// What a surface's pixels are, and so who encodes linear colour for the screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Encoding {
-    /// 8 bits a channel of the sRGB curve; the GPU encodes.
-    Srgb8,
-    /// The same 8 bits, encoded by the library: a surface whose format does not know of the curve.
-    Unorm8,
-    /// 10 bits a channel of the sRGB curve, encoded by the library.
-    Unorm10,
-    /// 16-bit floats, linear, beyond 1 too (extended linear sRGB); nobody encodes but the screen.
-    Float16,
-}
-
-/// All encodings, the first that a surface has being the one taken where the host does not choose.
-pub const ENCODINGS: [Encoding; 4] = [
-    Encoding::Srgb8,
-    Encoding::Unorm8,
-    Encoding::Unorm10,
-    Encoding::Float16,
-];
-
-impl Encoding {
-    /// The word for it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Srgb8 => "srgb8",
-            Self::Unorm8 => "unorm8",
-            Self::Unorm10 => "unorm10",
-            Self::Float16 => "float16",
-        }
-    }
-
-    /// The format among a surface's own that has this encoding.
-    fn find(self, offered: &wgpu::SurfaceCapabilities) -> Option<wgpu::TextureFormat> {
-        use wgpu::{SurfaceColorSpaces as Spaces, TextureFormat as Format};
-        let (formats, space): (&[_], _) = match self {
-            Self::Srgb8 => (
-                &[Format::Bgra8UnormSrgb, Format::Rgba8UnormSrgb],
-                Spaces::SRGB,
-            ),
-            Self::Unorm8 => (&[Format::Bgra8Unorm, Format::Rgba8Unorm], Spaces::SRGB),
-            Self::Unorm10 => (&[Format::Rgb10a2Unorm], Spaces::SRGB),
-            Self::Float16 => (&[Format::Rgba16Float], Spaces::EXTENDED_SRGB_LINEAR),
-        };
-        formats
-            .iter()
-            .copied()
-            .find(|format| offered.color_spaces(*format).contains(space))
-    }
-
-    fn colour_space(self) -> wgpu::SurfaceColorSpace {
-        match self {
-            Self::Float16 => wgpu::SurfaceColorSpace::ExtendedSrgbLinear,
-            _ => wgpu::SurfaceColorSpace::Srgb,
-        }
-    }
-
-    /// Whether the presenting pass applies the sRGB curve.
-    fn by_the_pass(self) -> bool {
-        matches!(self, Self::Unorm8 | Self::Unorm10)
-    }
-}
 
 /// How a window's context is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -164,13 +65,6 @@ struct Handles {
 // SAFETY: the host promises, to `Window::new`, that its handles may be used on every thread that it uses the context on.
 unsafe impl Send for Handles {}
 
-/// A pass for one format.
-struct Pass {
-    format: wgpu::TextureFormat,
-    pipeline: wgpu::RenderPipeline,
-    clear: wgpu::Buffer,
-}
-
 /// A device of the library's own with a surface of the host's window.
 pub struct Window {
     /// `None` where a lost one could not be made anew yet. Dropped before the device.
@@ -187,7 +81,6 @@ pub struct Window {
     minimised: bool,
     /// What the surface is configured for; `None` makes the next frame configure it.
     configured: Option<[u32; 2]>,
-    lost: Arc<OnceLock<String>>,
     /// The device, with its renderer and targets.
     pub offscreen: Offscreen,
 }
@@ -223,10 +116,7 @@ impl Window {
         let encoding = choose(options.encoding, &offered)?;
         check_mode(options.present_mode, &offered)?;
         let offscreen = pollster::block_on(Offscreen::on_adapter(&adapter))?;
-        let lost = Arc::new(OnceLock::new());
-        let reason = lost.clone();
         let device = offscreen.renderer.device();
-        device.set_device_lost_callback(move |_, message| _ = reason.set(message));
         let format = encoding.find(&offered).ok_or_else(no_format)?;
         Ok(Self {
             pass: Pass::new(device, format, encoding),
@@ -239,7 +129,6 @@ impl Window {
             size: options.size,
             minimised: false,
             configured: None,
-            lost,
             offscreen,
         })
     }
@@ -327,7 +216,7 @@ impl Window {
     /// A clear colour that is not finite; a surface that is lost and cannot be made anew, as that of a window that is no
     /// more; a lost device; no memory.
     pub fn present(&mut self, image: &Image, clear: Vec3) -> Result<Presented> {
-        self.alive()?;
+        self.offscreen.alive()?;
         if !clear.is_finite() {
             return invalid!("clear {clear} is not finite");
         }
@@ -439,7 +328,7 @@ impl Window {
         // A window takes one surface at a time.
         self.surface = None;
         // SAFETY: the handles are valid until the context is dropped, as the host has promised.
-        let surface = unsafe { make_surface(&self.instance, &self.handles) }?;
+        let surface = unsafe { make_surface(&self.instance, &self.handles) }.map_err(|_| gone())?;
         let offered = surface.get_capabilities(&self.adapter);
         if offered.formats.is_empty() {
             return Err(gone());
@@ -474,108 +363,13 @@ impl Window {
         for scope in scopes.into_iter().rev() {
             found = pollster::block_on(scope.pop()).or(found);
         }
-        self.alive()?;
-        match found {
+        self.offscreen.settle(match found {
             None => Ok(value),
             Some(error @ wgpu::Error::OutOfMemory { .. }) => {
                 Err(Error::OutOfMemory(error.to_string()))
             }
             Some(error) => Err(Error::Internal(error.to_string())),
-        }
-    }
-
-    /// Checks that the device has not been lost.
-    fn alive(&self) -> Result<()> {
-        match self.lost.get() {
-            None => Ok(()),
-            Some(reason) => Err(Error::DeviceLost(reason.clone())),
-        }
-    }
-}
-
-impl Pass {
-    fn new(device: &wgpu::Device, format: wgpu::TextureFormat, encoding: Encoding) -> Self {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(LABEL),
-            source: wgpu::ShaderSource::Wgsl(SOURCE.into()),
-        });
-        let encode = [("encode", f64::from(u8::from(encoding.by_the_pass())))];
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(LABEL),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("present_vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("present"),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &encode,
-                    ..Default::default()
-                },
-                targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        let clear = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(LABEL),
-            size: size_of::<[f32; 4]>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        Self {
-            format,
-            pipeline,
-            clear,
-        }
-    }
-
-    fn record(
-        &self,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        surface: &wgpu::Texture,
-        image: &Image,
-    ) {
-        let shown = image.colour.create_view(&Default::default());
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(LABEL),
-            layout: &self.pipeline.get_bind_group_layout(0),
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: self.clear.as_entire_binding(),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(&shown),
-                },
-            ],
-        });
-        let view = surface.create_view(&Default::default());
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(LABEL),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
+        })
     }
 }
 
@@ -620,106 +414,19 @@ unsafe fn make_surface(
         raw_window_handle: handles.window,
     };
     // SAFETY: the handles are valid until the context is dropped, and the surface with it.
-    unsafe { instance.create_surface_unsafe(target) }.map_err(|error| {
-        Error::Unsupported(format!("this window takes no Vulkan surface: {error}"))
-    })
-}
-
-fn modes(offered: &wgpu::SurfaceCapabilities) -> impl Iterator<Item = PresentMode> {
-    PRESENT_MODES
-        .into_iter()
-        .filter(|mode| offered.present_modes.contains(&mode.wgpu()))
-}
-
-fn encodings(offered: &wgpu::SurfaceCapabilities) -> impl Iterator<Item = Encoding> {
-    ENCODINGS
-        .into_iter()
-        .filter(|encoding| encoding.find(offered).is_some())
-}
-
-fn list(names: impl Iterator<Item = &'static str>) -> String {
-    names.collect::<Vec<_>>().join(", ")
-}
-
-fn check_mode(mode: PresentMode, offered: &wgpu::SurfaceCapabilities) -> Result<()> {
-    if modes(offered).any(|has| has == mode) {
-        return Ok(());
+    let make = || unsafe { instance.create_surface_unsafe(target) };
+    let refused =
+        |why: &str| Error::Unsupported(format!("this window takes no Vulkan surface: {why}"));
+    // wgpu panics where a driver refuses the window itself, as lavapipe 25 does with one that is no more. It holds nothing by
+    // then that another call could find half done.
+    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(make)) {
+        Ok(made) => made.map_err(|error| refused(&error.to_string())),
+        Err(_) => Err(refused("the driver refuses it")),
     }
-    Err(Error::Unsupported(format!(
-        "the window's surface has no present mode {}; it has {}",
-        mode.name(),
-        list(modes(offered).map(PresentMode::name))
-    )))
-}
-
-fn choose(wanted: Option<Encoding>, offered: &wgpu::SurfaceCapabilities) -> Result<Encoding> {
-    let Some(wanted) = wanted else {
-        return encodings(offered).next().ok_or_else(no_format);
-    };
-    if encodings(offered).any(|has| has == wanted) {
-        return Ok(wanted);
-    }
-    Err(Error::Unsupported(format!(
-        "the window's surface has no format {}; it has {}",
-        wanted.name(),
-        list(encodings(offered).map(Encoding::name))
-    )))
-}
-
-fn no_format() -> Error {
-    Error::Unsupported("the window's surface has no format that the library can encode for".into())
 }
 
 fn gone() -> Error {
     Error::Unsupported(
         "the window's surface is lost and cannot be made anew: the window may be no more".into(),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn offering(formats: &[wgpu::TextureFormat]) -> wgpu::SurfaceCapabilities {
-        let capability = |format: &wgpu::TextureFormat| wgpu::SurfaceFormatCapabilities {
-            format: *format,
-            color_spaces: wgpu::SurfaceColorSpaces::SRGB,
-        };
-        wgpu::SurfaceCapabilities {
-            formats: formats.to_vec(),
-            format_capabilities: formats.iter().map(capability).collect(),
-            present_modes: vec![wgpu::PresentMode::Fifo, wgpu::PresentMode::FifoRelaxed],
-            ..Default::default()
-        }
-    }
-
-    #[test]
-    fn a_present_mode_that_the_surface_lacks_is_named_with_those_that_it_has() {
-        let offered = offering(&[wgpu::TextureFormat::Bgra8Unorm]);
-        assert_eq!(check_mode(PresentMode::Fifo, &offered), Ok(()));
-        assert_eq!(
-            check_mode(PresentMode::Mailbox, &offered)
-                .unwrap_err()
-                .to_string(),
-            "the window's surface has no present mode mailbox; it has fifo"
-        );
-    }
-
-    #[test]
-    fn the_first_encoding_that_the_surface_has_is_taken() {
-        use wgpu::TextureFormat as Format;
-        let both = offering(&[
-            Format::Rgba8Unorm,
-            Format::Bgra8Unorm,
-            Format::Rgba8UnormSrgb,
-        ]);
-        assert_eq!(choose(None, &both), Ok(Encoding::Srgb8));
-        assert_eq!(choose(Some(Encoding::Unorm8), &both), Ok(Encoding::Unorm8));
-        assert_eq!(Encoding::Unorm8.find(&both), Some(Format::Bgra8Unorm));
-        let plain = offering(&[Format::Rgb10a2Unorm]);
-        assert_eq!(choose(None, &plain), Ok(Encoding::Unorm10));
-        // Floats that are not linear are not what the library writes.
-        let floats = offering(&[Format::Rgba16Float]);
-        assert!(choose(None, &floats).is_err());
-    }
 }
