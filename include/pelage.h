@@ -1724,16 +1724,18 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 10, NULL, NULL, NULL }
 #define PELAGE_DBK_BUFFER_INIT { sizeof(PelageDbkBuffer), 0.00390625f, 0.0f, 0, 0 }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
-#define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
+#define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL, 0.4f, 0.5f }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_TARGET_DESCRIPTOR_INIT { sizeof(PelageTargetDescriptor), 0, 0, 0, 0, 0 }
 #define PELAGE_STATISTICS_INIT { sizeof(PelageStatistics), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 #define PELAGE_VULKAN_INSTANCE_INIT { sizeof(PelageVulkanInstance), 0, NULL, NULL, 0, 0 }
 #define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }
 #define PELAGE_VULKAN_DEVICE_INIT { sizeof(PelageVulkanDevice), 0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0 }
-#define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 4294967295, 4294967295 }
-#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL }
-#define PELAGE_VULKAN_POINTS_INIT { sizeof(PelageVulkanPoints), 0, 0, 0, 0, 12, { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 4294967295, 4294967295 }
+#define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0 }
+#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0 }
+#define PELAGE_VULKAN_OCCLUDER_INIT { sizeof(PelageVulkanOccluder), 0, NULL, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, 0, 3, 0.0f, 0 }
+#define PELAGE_VULKAN_SHADOW_IMAGE_INIT { sizeof(PelageVulkanShadowImage), 0, NULL }
+#define PELAGE_VULKAN_POINTS_INIT { sizeof(PelageVulkanPoints), 0, 0, 0, 0, 12, { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } }
 #define PELAGE_VULKAN_SEMAPHORE_INIT { sizeof(PelageVulkanSemaphore), 0, 0, 0 }
 #define PELAGE_VULKAN_SUBMIT_INIT { sizeof(PelageVulkanSubmit), 0, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_WINDOW_INIT { sizeof(PelageWindow), 0, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }

@@ -59,7 +59,9 @@ fn shadow_own_side(neighbour: vec3f, map: u32, resolution: f32) -> ShadowOwnSide
     let offset = shadow_own_pixel(clip, resolution) - shadow_own_place;
     let distance = length(offset);
     let depth = dot(frame.shadow_views[map].depth_row, vec4f(neighbour, 1.0));
-    if !(distance > SHADOW_OWN_COINCIDENT) || clip.w <= 0.0 { return ShadowOwnSide(vec2f(0.0), 0.0, 0.0, footprint(vec2f(1.0, 0.0))); }
+    if !(distance > SHADOW_OWN_COINCIDENT) || clip.w <= 0.0 {
+        return ShadowOwnSide(vec2f(0.0), 0.0, 0.0, footprint(vec2f(1.0, 0.0)));
+    }
     let tangent = offset / distance;
     return ShadowOwnSide(tangent, (depth - shadow_own_depth) / distance, distance, footprint(tangent.yx));
 }

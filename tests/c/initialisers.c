@@ -47,6 +47,8 @@ int main(void) {
     PRINT(PelageVulkanDevice, PELAGE_VULKAN_DEVICE_INIT);
     PRINT(PelageVulkanImage, PELAGE_VULKAN_IMAGE_INIT);
     PRINT(PelageVulkanView, PELAGE_VULKAN_VIEW_INIT);
+    PRINT(PelageVulkanOccluder, PELAGE_VULKAN_OCCLUDER_INIT);
+    PRINT(PelageVulkanShadowImage, PELAGE_VULKAN_SHADOW_IMAGE_INIT);
     PRINT(PelageVulkanPoints, PELAGE_VULKAN_POINTS_INIT);
     PRINT(PelageVulkanSemaphore, PELAGE_VULKAN_SEMAPHORE_INIT);
     PRINT(PelageVulkanSubmit, PELAGE_VULKAN_SUBMIT_INIT);

@@ -294,7 +294,9 @@ fn initialisers() -> String {
         position,
         power,
         reserved,
-        shadow
+        shadow,
+        inner_angle,
+        outer_angle
     );
     initialiser!(
         PelageFrame,
@@ -392,7 +394,28 @@ fn initialisers() -> String {
         nearest_depth,
         coverage,
         motion,
-        ids
+        ids,
+        occluders,
+        shadow_images,
+        occluder_count,
+        shadow_image_count
+    );
+    initialiser!(
+        PelageVulkanOccluder,
+        "PELAGE_VULKAN_OCCLUDER_INIT",
+        light,
+        depth,
+        clip_from_world,
+        flags,
+        pcf,
+        bias,
+        reserved
+    );
+    initialiser!(
+        PelageVulkanShadowImage,
+        "PELAGE_VULKAN_SHADOW_IMAGE_INIT",
+        light,
+        image
     );
     initialiser!(
         PelageVulkanPoints,

@@ -265,6 +265,8 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageVulkanDevice,
         PelageVulkanImage,
         PelageVulkanView,
+        PelageVulkanOccluder,
+        PelageVulkanShadowImage,
         PelageVulkanPoints,
         PelageVulkanSemaphore,
         PelageVulkanSubmit,

@@ -257,7 +257,7 @@ const CLOSE: f64 = 4e-3;
 fn every_model_shades_fragments_as_it_shades_points_close_together() {
     let Some(mut device) = device() else { return };
     let strands = builtin(BuiltinGroom::Straight, 300).unwrap();
-    let strands = pelage::groom::tessellate(&strands, 8).unwrap();
+    let strands = pelage::groom::tessellate(&strands, 16).unwrap();
     let models = [
         Shading::Scheuermann(Scheuermann::default()),
         Shading::Marschner(Marschner::default()),
