@@ -8,7 +8,7 @@ use crate::frame::{Frame, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, workgroups};
 use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
-use crate::light::{LightCamera, LightKind, light_cameras};
+use crate::light::{Light, LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
 use crate::shading::Shading;
 use crate::shadow::{Shadow, Shape, Sight};
@@ -161,6 +161,38 @@ fn place(number: usize, hair: &Hair, at: usize, instance: &Instance, origin: DVe
         corners,
         scale,
         radius: geometry.max_radius * scale,
+    }
+}
+
+/// A light's place, the corners of what it sees, and the widest fibre's radius, in relative space.
+pub(crate) fn light_sees(frame: &Frame, light: &Light) -> (DVec4, Vec<DVec3>, f64) {
+    let origin = frame.view.origin();
+    let hairs = frame.hairs.iter().enumerate();
+    let placed: Vec<Placed> = hairs
+        .flat_map(|(number, hair)| place_all(number, hair, origin))
+        .collect();
+    let (corners, radius) = corners_of(&placed);
+    (place_of(light, origin).0, corners, radius)
+}
+
+/// The corners of all boxes, and the widest fibre's radius.
+fn corners_of(placed: &[Placed]) -> (Vec<DVec3>, f64) {
+    let corners = placed.iter().flat_map(|hair| hair.corners).collect();
+    let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
+    (corners, radius)
+}
+
+/// A light's place in relative space, and its power.
+fn place_of(light: &Light, origin: DVec3) -> (DVec4, Vec3) {
+    match light.kind {
+        LightKind::Directional {
+            direction,
+            irradiance,
+        } => ((-direction.normalize()).extend(0.0), irradiance),
+        LightKind::Point {
+            position,
+            intensity,
+        } => ((position - origin).extend(1.0), intensity),
     }
 }
 
@@ -378,19 +410,9 @@ impl Plan {
         origin: DVec3,
         gpu: &Gpu,
     ) -> Result<()> {
-        let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
-        let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
+        let (corners, radius) = corners_of(placed);
         for (number, light) in frame.lights.iter().enumerate() {
-            let (place, power) = match light.kind {
-                LightKind::Directional {
-                    direction,
-                    irradiance,
-                } => ((-direction.normalize()).extend(0.0), irradiance),
-                LightKind::Point {
-                    position,
-                    intensity,
-                } => ((position - origin).extend(1.0), intensity),
-            };
+            let (place, power) = place_of(light, origin);
             let uniform = &mut self.frame_uniform.lights[number];
             uniform.place = vector(place);
             uniform.power = power.into();
@@ -466,6 +488,7 @@ impl Plan {
             front_shift: shape.front_shift.unwrap_or(0),
             padding_0: 0,
             values: shape.values,
+            colour: shape.colour,
         };
         let seen = Seen {
             half_width_px: half_width,
@@ -487,6 +510,7 @@ impl Plan {
                 front_shift: shape.front_shift.unwrap_or(0),
                 row_end: shape.resolution,
                 map_values: shape.values,
+                map_colour: shape.colour,
                 ..bytemuck::Zeroable::zeroed()
             },
         );

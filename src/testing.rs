@@ -4,12 +4,18 @@
 
 use std::mem::offset_of;
 
+use glam::{DMat4, DVec4};
+
+use crate::frame::Frame;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
     Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, points_module, tables,
 };
-use crate::shadow::{DeepOpacityMap, Shadow, deep_opacity_map};
+use crate::shadow::{
+    DeepOpacityMap, KBufferVolume, MomentOpacityMap, Shadow, deep_opacity_map, k_buffer_volume,
+    moment_opacity_map,
+};
 use crate::transparency::{
     ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
 };
@@ -33,10 +39,12 @@ pub fn models() -> [Shading; 5] {
 }
 
 /// Every shadow technique, with its defaults.
-pub fn shadows() -> [Shadow; 2] {
+pub fn shadows() -> [Shadow; 4] {
     [
         Shadow::None,
         Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        Shadow::MomentOpacityMap(MomentOpacityMap::default()),
+        Shadow::KBufferVolume(KBufferVolume::default()),
     ]
 }
 
@@ -59,13 +67,67 @@ pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) 
     (places[0], words, size)
 }
 
+/// A light's only map of a frame's hair, as f64: where it sees what, and how much nearer to the light than it is a point is
+/// taken to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapCamera {
+    /// Clip space from world space.
+    pub clip_from_world: DMat4,
+    /// The light's position and 1, or the direction towards it and 0.
+    pub eye: DVec4,
+    /// Distance along the map's axis, 0 at the nearest hair, is the product with a position in world space and 1.
+    pub depth_row: DVec4,
+    /// The greatest such distance.
+    pub extent: f64,
+    /// In units of that distance.
+    pub bias: f64,
+    /// Width of a texel.
+    pub texel: f64,
+}
+
+/// The map of a frame's first light, which has that shadow; `None` where the light has no map, or six.
+pub fn map_camera(frame: &Frame, shadow: &Shadow) -> Option<MapCamera> {
+    let (place, corners, radius) = crate::plan::light_sees(frame, &frame.lights[0]);
+    let cameras = crate::light::light_cameras(place, &corners, radius);
+    let [camera] = &cameras.views[..] else {
+        return None;
+    };
+    let sight = crate::shadow::Sight {
+        extent: cameras.extent,
+        width: cameras.width,
+        nearest_width: cameras.nearest_width,
+        radius,
+    };
+    let shape = shadow.shape(&sight)?;
+    let from_world = DMat4::from_translation(-frame.view.origin());
+    let mut eye = camera.eye;
+    if eye.w > 0.0 {
+        eye += frame.view.origin().extend(0.0);
+    }
+    Some(MapCamera {
+        clip_from_world: camera.clip_from_relative * from_world,
+        eye,
+        depth_row: from_world.transpose() * camera.depth_row,
+        extent: cameras.extent,
+        bias: shape.bias,
+        texel: cameras.width / f64::from(shape.resolution),
+    })
+}
+
+/// A shadow technique's look-up, `shadow_texel` and all beneath it, behind the common files.
+pub fn shadow_source(shadow: &Shadow) -> String {
+    Module::new(shadow.look_up()).join().source
+}
+
 /// Every module that the crate can build.
 pub fn combinations() -> Vec<Combination> {
     let mut modules: Vec<(String, Module)> = Vec::new();
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
-        .chain(&deep_opacity_map::EMISSIONS);
+        .chain(&deep_opacity_map::EMISSIONS)
+        .chain(&moment_opacity_map::EMISSIONS)
+        .chain(&k_buffer_volume::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             modules.push((
@@ -142,7 +204,12 @@ pub fn combinations() -> Vec<Combination> {
                 .with("REVERSE_Z", Constant::Bool(reverse)),
         ));
     }
-    modules.push(("prefix".into(), Module::new(deep_opacity_map::PREFIX)));
+    for (name, files) in [
+        ("deep_opacity_map prefix", deep_opacity_map::PREFIX),
+        ("k_buffer_volume prefix", k_buffer_volume::PREFIX),
+    ] {
+        modules.push((name.into(), Module::new(files)));
+    }
     modules.push((
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
@@ -200,13 +267,13 @@ pub fn layouts() -> Vec<Layout> {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, front_shift, row_first, row_end,
-            segment_count, hair, map_values, clip_from_object, previous_clip_from_object, jitter_motion, padding_0,
+            segment_count, hair, map_values, map_colour, clip_from_object, previous_clip_from_object, jitter_motion, padding_0,
             padding_1,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, bias, padding_0, padding_1, padding_2,
         }
-        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values }
+        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values, colour }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
         }

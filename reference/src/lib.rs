@@ -9,6 +9,8 @@
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
 //! - [`transmittance`]: how much light reaches a point through other fibres
+//! - [`opacity_models`]: what a few numbers a texel know of it
+//! - [`k_buffer_volume`]: the nearest scattering events along a light's ray
 //! - [`fibre`]: directions in a fibre's frame, lobes, and what every scattering model of a fibre offers
 //! - [`kajiya_kay`], [`scheuermann`]: how a fibre scatters light, from fixed lobes
 //! - [`marschner`], [`sadeghi`], [`chiang`]: the same from physics, from an artist's controls, and with all energy kept
@@ -26,8 +28,10 @@ pub mod fibre;
 pub mod fragments;
 pub mod fresnel;
 pub mod furnace;
+pub mod k_buffer_volume;
 pub mod kajiya_kay;
 pub mod marschner;
+pub mod opacity_models;
 pub mod project;
 pub mod ray_optics;
 pub mod sadeghi;

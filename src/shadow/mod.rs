@@ -4,9 +4,15 @@
 //! `shadow_texel`. One technique serves all lights of a frame; their settings may differ.
 
 pub mod deep_opacity_map;
+pub mod k_buffer_volume;
+pub mod moment_opacity_map;
 pub mod none;
 
 pub use deep_opacity_map::DeepOpacityMap;
+pub use k_buffer_volume::{Attenuation, KBufferVolume};
+pub use moment_opacity_map::MomentOpacityMap;
+
+use glam::Vec3;
 
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Passes};
@@ -22,6 +28,10 @@ pub enum Shadow {
     None,
     /// Yuksel and Keyser 2008 (Hunz §4.2).
     DeepOpacityMap(DeepOpacityMap),
+    /// Moments of each texel's optical depths, after Peters and Klein 2015 and Münstermann et al. 2018.
+    MomentOpacityMap(MomentOpacityMap),
+    /// Yu et al. 2012, §3.1.
+    KBufferVolume(KBufferVolume),
 }
 
 impl Default for Shadow {
@@ -36,6 +46,8 @@ impl Shadow {
         match self {
             Self::None => "none",
             Self::DeepOpacityMap(_) => "deep_opacity_map",
+            Self::MomentOpacityMap(_) => "moment_opacity_map",
+            Self::KBufferVolume(_) => "k_buffer_volume",
         }
     }
 
@@ -47,6 +59,8 @@ impl Shadow {
         match self {
             Self::None => Ok(()),
             Self::DeepOpacityMap(settings) => settings.validate(),
+            Self::MomentOpacityMap(settings) => settings.validate(),
+            Self::KBufferVolume(settings) => settings.validate(),
         }
     }
 
@@ -55,6 +69,8 @@ impl Shadow {
         match self {
             Self::None => None,
             Self::DeepOpacityMap(settings) => Some(settings.shape(sight)),
+            Self::MomentOpacityMap(settings) => Some(settings.shape(sight)),
+            Self::KBufferVolume(settings) => Some(settings.shape(sight)),
         }
     }
 
@@ -63,6 +79,8 @@ impl Shadow {
         match self {
             Self::None => none::LOOK_UP,
             Self::DeepOpacityMap(_) => deep_opacity_map::LOOK_UP,
+            Self::MomentOpacityMap(_) => moment_opacity_map::LOOK_UP,
+            Self::KBufferVolume(_) => k_buffer_volume::LOOK_UP,
         }
     }
 
@@ -71,6 +89,8 @@ impl Shadow {
         match self {
             Self::None => 0,
             Self::DeepOpacityMap(_) => 1,
+            Self::MomentOpacityMap(_) => 5,
+            Self::KBufferVolume(_) => 6,
         }
     }
 }
@@ -114,6 +134,9 @@ pub(crate) struct Shape {
     pub layers: u32,
     /// What the technique's files read as `drawing.map_values` and `shadow_views[…].values`.
     pub values: [f32; 4],
+    /// What they read as `drawing.map_colour` and `shadow_views[…].colour`. In techniques that sum optical depths: by how
+    /// much these count in each channel, and 1; zeros where light is grey.
+    pub colour: [f32; 4],
     pub bias: f64,
     pub raster: Raster,
 }
@@ -136,6 +159,27 @@ fn validate_map(stem: &str, resolution: u32, pcf: u32) -> Result<()> {
         return invalid!("{stem}: pcf {pcf} is not 1, 3 or 5");
     }
     Ok(())
+}
+
+/// Checks what a fibre passes on of the light that meets it.
+fn validate_transmitted(stem: &str, transmitted: Vec3) -> Result<()> {
+    let within = transmitted.cmpge(Vec3::ZERO).all() && transmitted.cmplt(Vec3::ONE).all();
+    if !within {
+        let Vec3 { x, y, z } = transmitted;
+        return invalid!(
+            "{stem}: transmitted ({x}, {y}, {z}) has a component that is not from 0 to below 1"
+        );
+    }
+    Ok(())
+}
+
+/// The colour of a map that sums optical depths. A crossing by a fibre of opacity × coverage o leaves 1 - o (1 - t) of a
+/// channel of which t is passed on; for small o that is (1 - o) to the power of 1 - t, which sums of logarithms can carry.
+fn summed_colour(transmitted: Vec3) -> [f32; 4] {
+    if transmitted == Vec3::ZERO {
+        return [0.0; 4];
+    }
+    (Vec3::ONE - transmitted).extend(1.0).into()
 }
 
 /// Hands every fragment of a map to an emission.
@@ -170,5 +214,7 @@ pub(crate) fn record(
     match map.technique {
         Shadow::None => Ok(()),
         Shadow::DeepOpacityMap(_) => deep_opacity_map::record(gpu, passes, bound, map, plan),
+        Shadow::MomentOpacityMap(_) => moment_opacity_map::record(gpu, passes, bound, map, plan),
+        Shadow::KBufferVolume(_) => k_buffer_volume::record(gpu, passes, bound, map, plan),
     }
 }

@@ -212,13 +212,37 @@ fn initialisers() -> String {
         layers,
         pcf,
         depth,
+        raster,
+        transmitted
+    );
+    initialiser!(
+        PelageMomentOpacityMap,
+        "PELAGE_MOMENT_OPACITY_MAP_INIT",
+        resolution,
+        moments,
+        pcf,
+        transmitted,
+        raster
+    );
+    initialiser!(
+        PelageKBufferVolume,
+        "PELAGE_K_BUFFER_VOLUME_INIT",
+        resolution,
+        k,
+        pcf,
+        tail,
+        attenuation,
+        eta,
+        sigma_a,
         raster
     );
     initialiser!(
         PelageShadow,
         "PELAGE_SHADOW_INIT",
         technique,
-        deep_opacity_map
+        deep_opacity_map,
+        moment_opacity_map,
+        k_buffer_volume
     );
     initialiser!(PelageOpaque, "PELAGE_OPAQUE_INIT", raster);
     initialiser!(

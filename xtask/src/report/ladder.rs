@@ -8,7 +8,7 @@ use pelage::groom::BuiltinGroom;
 use pelage::shading::{
     Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
 };
-use pelage::shadow::{DeepOpacityMap, Shadow};
+use pelage::shadow::{DeepOpacityMap, KBufferVolume, MomentOpacityMap, Shadow};
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
 use serde_json::Value;
 
@@ -163,6 +163,35 @@ fn fibre_models() -> Vec<Shading> {
     models
 }
 
+/// Moment opacity maps and k-buffer volumes over their settings.
+fn volume_shadows(resolutions: &[u32]) -> Vec<Shadow> {
+    let mut shadows = Vec::new();
+    for &resolution in resolutions {
+        for pcf in [1, 3] {
+            shadows.extend([4, 6].map(|moments| {
+                Shadow::MomentOpacityMap(MomentOpacityMap {
+                    resolution,
+                    moments,
+                    pcf,
+                    ..MomentOpacityMap::default()
+                })
+            }));
+        }
+        // 64 events of 1024² texels are more than a binding holds.
+        for k in [4, 8, 16, 64].into_iter().filter(|k| resolution * resolution * k <= 1 << 24) {
+            shadows.extend([false, true].map(|tail| {
+                Shadow::KBufferVolume(KBufferVolume {
+                    resolution,
+                    k,
+                    tail,
+                    ..KBufferVolume::default()
+                })
+            }));
+        }
+    }
+    shadows
+}
+
 /// Every case, in the order of the tables. `quick` leaves out the largest maps.
 pub fn cases(quick: bool) -> Vec<Case> {
     let base = Case {
@@ -205,6 +234,14 @@ pub fn cases(quick: bool) -> Vec<Case> {
                 });
             }
         }
+    }
+    for shadow in volume_shadows(resolutions) {
+        cases.push(Case {
+            group: Group::Shadow,
+            shading: white(0.0, 60.0),
+            shadow,
+            ..base.clone()
+        });
     }
     let base = Case {
         group: Group::Transparency,
