@@ -11,7 +11,7 @@ use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::{Light, LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
 use crate::shading::Shading;
-use crate::shadow::{Shadow, Shape, Sight};
+use crate::shadow::{Fibres, Shadow, Shape, Sight};
 use crate::transparency::Transparency;
 use crate::transparency::a_buffer::FRAGMENT_BYTES;
 use crate::view::View;
@@ -161,38 +161,6 @@ fn place(number: usize, hair: &Hair, at: usize, instance: &Instance, origin: DVe
         corners,
         scale,
         radius: geometry.max_radius * scale,
-    }
-}
-
-/// A light's place, the corners of what it sees, and the widest fibre's radius, in relative space.
-pub(crate) fn light_sees(frame: &Frame, light: &Light) -> (DVec4, Vec<DVec3>, f64) {
-    let origin = frame.view.origin();
-    let hairs = frame.hairs.iter().enumerate();
-    let placed: Vec<Placed> = hairs
-        .flat_map(|(number, hair)| place_all(number, hair, origin))
-        .collect();
-    let (corners, radius) = corners_of(&placed);
-    (place_of(light, origin).0, corners, radius)
-}
-
-/// The corners of all boxes, and the widest fibre's radius.
-fn corners_of(placed: &[Placed]) -> (Vec<DVec3>, f64) {
-    let corners = placed.iter().flat_map(|hair| hair.corners).collect();
-    let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
-    (corners, radius)
-}
-
-/// A light's place in relative space, and its power.
-fn place_of(light: &Light, origin: DVec3) -> (DVec4, Vec3) {
-    match light.kind {
-        LightKind::Directional {
-            direction,
-            irradiance,
-        } => ((-direction.normalize()).extend(0.0), irradiance),
-        LightKind::Point {
-            position,
-            intensity,
-        } => ((position - origin).extend(1.0), intensity),
     }
 }
 
@@ -410,7 +378,8 @@ impl Plan {
         origin: DVec3,
         gpu: &Gpu,
     ) -> Result<()> {
-        let (corners, radius) = corners_of(placed);
+        let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
+        let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
         for (number, light) in frame.lights.iter().enumerate() {
             let (place, power) = place_of(light, origin);
             let uniform = &mut self.frame_uniform.lights[number];
@@ -421,12 +390,8 @@ impl Plan {
                 continue;
             }
             let cameras = light_cameras(place, &corners, radius);
-            let sight = Sight {
-                extent: cameras.extent,
-                width: cameras.width,
-                nearest_width: cameras.nearest_width,
-                radius,
-            };
+            let fibres = fibres(frame, placed, technique.needs_density());
+            let sight = Sight::new(&cameras, radius, fibres);
             let Some(shape) = technique.shape(&sight) else {
                 continue;
             };
@@ -671,6 +636,65 @@ fn one_shading(frame: &Frame) -> Result<(&'static str, &'static [&'static str])>
             .map_or(crate::shading::kajiya_kay::POINTS, |hair| {
                 hair.shading.points()
             })),
+    }
+}
+
+/// Where a light is in relative space, and how strong.
+fn place_of(light: &Light, origin: DVec3) -> (DVec4, Vec3) {
+    match light.kind {
+        LightKind::Directional {
+            direction,
+            irradiance,
+        } => ((-direction.normalize()).extend(0.0), irradiance),
+        LightKind::Point {
+            position,
+            intensity,
+        } => ((position - origin).extend(1.0), intensity),
+    }
+}
+
+/// The first map of a light: its camera, the origin of relative space, the hair's depth range, and what it is made of.
+pub(crate) fn first_map(frame: &Frame, number: usize) -> Option<(LightCamera, DVec3, f64, Shape)> {
+    let origin = frame.view.origin();
+    let hairs = frame.hairs.iter().enumerate();
+    let placed: Vec<Placed> = hairs
+        .flat_map(|(number, hair)| place_all(number, hair, origin))
+        .collect();
+    let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
+    let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
+    let (place, _) = place_of(&frame.lights[number], origin);
+    let mut cameras = light_cameras(place, &corners, radius);
+    let technique = choose_shadow(frame, number).ok()?;
+    let fibres = fibres(frame, &placed, technique.needs_density());
+    let shape = technique.shape(&Sight::new(&cameras, radius, fibres))?;
+    Some((cameras.views.swap_remove(0), origin, cameras.extent, shape))
+}
+
+/// The fibres of all hairs; how densely they fill space only where that is asked for.
+fn fibres(frame: &Frame, placed: &[Placed], with_density: bool) -> Fibres {
+    let mut fibres = Fibres::default();
+    let (mut lengths, mut areas, mut volumes) = (0.0, 0.0, 0.0);
+    for placed in placed {
+        let hair = frame.hairs[placed.hair];
+        let opacity = f64::from(hair.opacity);
+        let length = hair.geometry.length * placed.scale;
+        let mut diameter = 2.0 * placed.radius;
+        if with_density {
+            let density = hair.geometry.density();
+            diameter = density.diameter * placed.scale;
+            volumes += density.volume * placed.scale.powi(3);
+        }
+        lengths += length;
+        areas += length * diameter;
+        fibres.opacity += opacity * length * diameter;
+        fibres.most_opaque = fibres.most_opaque.max(opacity);
+    }
+    let over = |sum: f64, by: f64| if by > 0.0 { sum / by } else { 0.0 };
+    Fibres {
+        opacity: over(fibres.opacity, areas),
+        diameter: over(areas, lengths),
+        area_density: over(areas, volumes),
+        ..fibres
     }
 }
 

@@ -4,17 +4,15 @@
 
 use std::mem::offset_of;
 
-use glam::{DMat4, DVec4};
-
-use crate::frame::Frame;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
     Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, points_module, tables,
 };
 use crate::shadow::{
-    DeepOpacityMap, KBufferVolume, MomentOpacityMap, Shadow, deep_opacity_map, k_buffer_volume,
-    moment_opacity_map,
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap, approximated_deep_shadow_map, deep_opacity_map, k_buffer_volume,
+    moment_opacity_map, opacity_shadow_maps, shadow_map,
 };
 use crate::transparency::{
     ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
@@ -39,13 +37,42 @@ pub fn models() -> [Shading; 5] {
 }
 
 /// Every shadow technique, with its defaults.
-pub fn shadows() -> [Shadow; 4] {
+pub fn shadows() -> [Shadow; 7] {
     [
         Shadow::None,
         Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        Shadow::ShadowMap(ShadowMap::default()),
+        Shadow::ApproximatedDeepShadowMap(ApproximatedDeepShadowMap::default()),
+        Shadow::OpacityShadowMaps(OpacityShadowMaps::default()),
         Shadow::MomentOpacityMap(MomentOpacityMap::default()),
         Shadow::KBufferVolume(KBufferVolume::default()),
     ]
+}
+
+/// A light's first map.
+pub struct LightMap {
+    pub clip_from_world: glam::DMat4,
+    /// Depth along the map's axis = dot(depth_row, (position, 1)), in world space.
+    pub depth_row: glam::DVec4,
+    /// Depth range of the hair.
+    pub extent: f64,
+    /// How much nearer to the light than it is a point is taken to be.
+    pub bias: f64,
+    /// The technique's values.
+    pub values: [f32; 4],
+}
+
+/// How a light of a frame sees the hair; `None` without a map.
+pub fn light_map(frame: &crate::Frame, light: usize) -> Option<LightMap> {
+    let (camera, origin, extent, shape) = crate::plan::first_map(frame, light)?;
+    let row = camera.depth_row;
+    Some(LightMap {
+        clip_from_world: camera.clip_from_relative * glam::DMat4::from_translation(-origin),
+        depth_row: row.truncate().extend(row.w - row.truncate().dot(origin)),
+        extent,
+        bias: shape.bias,
+        values: shape.values,
+    })
 }
 
 /// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
@@ -67,53 +94,6 @@ pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) 
     (places[0], words, size)
 }
 
-/// A light's only map of a frame's hair, as f64: where it sees what, and how much nearer to the light than it is a point is
-/// taken to be.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MapCamera {
-    /// Clip space from world space.
-    pub clip_from_world: DMat4,
-    /// The light's position and 1, or the direction towards it and 0.
-    pub eye: DVec4,
-    /// Distance along the map's axis, 0 at the nearest hair, is the product with a position in world space and 1.
-    pub depth_row: DVec4,
-    /// The greatest such distance.
-    pub extent: f64,
-    /// In units of that distance.
-    pub bias: f64,
-    /// Width of a texel.
-    pub texel: f64,
-}
-
-/// The map of a frame's first light, which has that shadow; `None` where the light has no map, or six.
-pub fn map_camera(frame: &Frame, shadow: &Shadow) -> Option<MapCamera> {
-    let (place, corners, radius) = crate::plan::light_sees(frame, &frame.lights[0]);
-    let cameras = crate::light::light_cameras(place, &corners, radius);
-    let [camera] = &cameras.views[..] else {
-        return None;
-    };
-    let sight = crate::shadow::Sight {
-        extent: cameras.extent,
-        width: cameras.width,
-        nearest_width: cameras.nearest_width,
-        radius,
-    };
-    let shape = shadow.shape(&sight)?;
-    let from_world = DMat4::from_translation(-frame.view.origin());
-    let mut eye = camera.eye;
-    if eye.w > 0.0 {
-        eye += frame.view.origin().extend(0.0);
-    }
-    Some(MapCamera {
-        clip_from_world: camera.clip_from_relative * from_world,
-        eye,
-        depth_row: from_world.transpose() * camera.depth_row,
-        extent: cameras.extent,
-        bias: shape.bias,
-        texel: cameras.width / f64::from(shape.resolution),
-    })
-}
-
 /// A shadow technique's look-up, `shadow_texel` and all beneath it, behind the common files.
 pub fn shadow_source(shadow: &Shadow) -> String {
     Module::new(shadow.look_up()).join().source
@@ -126,6 +106,11 @@ pub fn combinations() -> Vec<Combination> {
         .iter()
         .chain(&a_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS)
+        .chain([
+            &shadow_map::DEPTH,
+            &approximated_deep_shadow_map::DEPTH,
+            &opacity_shadow_maps::SLABS,
+        ])
         .chain(&moment_opacity_map::EMISSIONS)
         .chain(&k_buffer_volume::EMISSIONS);
     for emission in emissions {
@@ -206,6 +191,7 @@ pub fn combinations() -> Vec<Combination> {
     }
     for (name, files) in [
         ("deep_opacity_map prefix", deep_opacity_map::PREFIX),
+        ("opacity_shadow_maps sum", opacity_shadow_maps::SUM),
         ("k_buffer_volume prefix", k_buffer_volume::PREFIX),
     ] {
         modules.push((name.into(), Module::new(files)));

@@ -9,7 +9,10 @@ use pelage::shading::{
     Chiang, DualScattering, Highlight, KajiyaKay, Marschner, Precision, Roots, Sadeghi,
     Scheuermann, Shading, Tables,
 };
-use pelage::shadow::{Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap, Shadow};
+use pelage::shadow::{
+    ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps, Shadow,
+    ShadowMap,
+};
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
 use pelage::{Raster, glam};
 use serde::de::DeserializeOwned;
@@ -50,6 +53,9 @@ pub const SHADOW: Group = Group {
     selector: "technique",
     stems: &[
         "none",
+        "shadow_map",
+        "approximated_deep_shadow_map",
+        "opacity_shadow_maps",
         "deep_opacity_map",
         "moment_opacity_map",
         "k_buffer_volume",
@@ -368,6 +374,88 @@ impl KBufferVolumeKeys {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+struct ShadowMapKeys {
+    resolution: u32,
+    pcf: u32,
+    strength: f32,
+    raster: RasterKey,
+}
+
+impl Default for ShadowMapKeys {
+    fn default() -> Self {
+        Self::of(&ShadowMap::default())
+    }
+}
+
+impl ShadowMapKeys {
+    fn of(settings: &ShadowMap) -> Self {
+        Self {
+            resolution: settings.resolution,
+            pcf: settings.pcf,
+            strength: settings.strength,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct ApproximatedDeepShadowMapKeys {
+    resolution: u32,
+    pcf: u32,
+    opacity: Option<f32>,
+    spacing: Option<f32>,
+    raster: RasterKey,
+}
+
+impl Default for ApproximatedDeepShadowMapKeys {
+    fn default() -> Self {
+        Self::of(&ApproximatedDeepShadowMap::default())
+    }
+}
+
+impl ApproximatedDeepShadowMapKeys {
+    fn of(settings: &ApproximatedDeepShadowMap) -> Self {
+        Self {
+            resolution: settings.resolution,
+            pcf: settings.pcf,
+            opacity: settings.opacity,
+            spacing: settings.spacing,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct OpacityShadowMapsKeys {
+    resolution: u32,
+    layers: u32,
+    unevenness: f32,
+    pcf: u32,
+    raster: RasterKey,
+}
+
+impl Default for OpacityShadowMapsKeys {
+    fn default() -> Self {
+        Self::of(&OpacityShadowMaps::default())
+    }
+}
+
+impl OpacityShadowMapsKeys {
+    fn of(settings: &OpacityShadowMaps) -> Self {
+        Self {
+            resolution: settings.resolution,
+            layers: settings.layers,
+            unevenness: settings.unevenness,
+            pcf: settings.pcf,
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 struct OpaqueKeys {
     raster: RasterKey,
 }
@@ -461,6 +549,9 @@ impl Group {
             "sadeghi" => json!(SadeghiKeys::default()),
             "chiang" => json!(ChiangKeys::default()),
             "deep_opacity_map" => json!(DeepOpacityMapKeys::default()),
+            "shadow_map" => json!(ShadowMapKeys::default()),
+            "approximated_deep_shadow_map" => json!(ApproximatedDeepShadowMapKeys::default()),
+            "opacity_shadow_maps" => json!(OpacityShadowMapsKeys::default()),
             "moment_opacity_map" => json!(MomentOpacityMapKeys::default()),
             "k_buffer_volume" => json!(KBufferVolumeKeys::default()),
             "opaque" => json!(OpaqueKeys::default()),
@@ -589,6 +680,37 @@ pub fn shadow(map: &Map<String, Value>) -> Result<Shadow> {
                 raster: keys.raster.raster(),
             }))
         }
+        "shadow_map" => {
+            let keys: ShadowMapKeys = SHADOW.settings(stem, map)?;
+            Ok(Shadow::ShadowMap(ShadowMap {
+                resolution: keys.resolution,
+                pcf: keys.pcf,
+                strength: keys.strength,
+                raster: keys.raster.raster(),
+            }))
+        }
+        "approximated_deep_shadow_map" => {
+            let keys: ApproximatedDeepShadowMapKeys = SHADOW.settings(stem, map)?;
+            Ok(Shadow::ApproximatedDeepShadowMap(
+                ApproximatedDeepShadowMap {
+                    resolution: keys.resolution,
+                    pcf: keys.pcf,
+                    opacity: keys.opacity,
+                    spacing: keys.spacing,
+                    raster: keys.raster.raster(),
+                },
+            ))
+        }
+        "opacity_shadow_maps" => {
+            let keys: OpacityShadowMapsKeys = SHADOW.settings(stem, map)?;
+            Ok(Shadow::OpacityShadowMaps(OpacityShadowMaps {
+                resolution: keys.resolution,
+                layers: keys.layers,
+                unevenness: keys.unevenness,
+                pcf: keys.pcf,
+                raster: keys.raster.raster(),
+            }))
+        }
         _ => unreachable!("{stem} is listed and not handled"),
     }
 }
@@ -695,6 +817,14 @@ pub fn shadow_settings(shadow: &Shadow) -> Value {
     match shadow {
         Shadow::DeepOpacityMap(settings) => {
             with_stem(shadow.stem(), json!(DeepOpacityMapKeys::of(settings)))
+        }
+        Shadow::ShadowMap(settings) => with_stem(shadow.stem(), json!(ShadowMapKeys::of(settings))),
+        Shadow::ApproximatedDeepShadowMap(settings) => with_stem(
+            shadow.stem(),
+            json!(ApproximatedDeepShadowMapKeys::of(settings)),
+        ),
+        Shadow::OpacityShadowMaps(settings) => {
+            with_stem(shadow.stem(), json!(OpacityShadowMapsKeys::of(settings)))
         }
         Shadow::MomentOpacityMap(settings) => {
             with_stem(shadow.stem(), json!(MomentOpacityMapKeys::of(settings)))

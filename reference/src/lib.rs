@@ -9,6 +9,7 @@
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
 //! - [`transmittance`]: how much light reaches a point through other fibres
+//! - [`shadow_maps`]: what techniques make of that which look a point up in a map of the light
 //! - [`opacity_models`]: what a few numbers a texel know of it
 //! - [`k_buffer_volume`]: the nearest scattering events along a light's ray
 //! - [`fibre`]: directions in a fibre's frame, lobes, and what every scattering model of a fibre offers
@@ -37,6 +38,7 @@ pub mod ray_optics;
 pub mod sadeghi;
 pub mod scene;
 pub mod scheuermann;
+pub mod shadow_maps;
 pub mod transmittance;
 
 mod bvh;

@@ -12,7 +12,10 @@ use crate::shading::{
     Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables, sigma_a_from_melanin,
     sigma_a_from_reflectance,
 };
-use crate::shadow::{Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap, Shadow};
+use crate::shadow::{
+    ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps, Shadow,
+    ShadowMap,
+};
 use crate::transparency::{ABuffer, Opaque, Storage, Transparency};
 use glam::Vec3;
 
@@ -56,6 +59,12 @@ pub const PELAGE_HAIR_COLOUR_DYED: u32 = 6;
 pub const PELAGE_SHADOW_NONE: u32 = 0;
 /// Yuksel and Keyser 2008.
 pub const PELAGE_SHADOW_DEEP_OPACITY_MAP: u32 = 1;
+/// Nearest depths with percentage-closer filtering.
+pub const PELAGE_SHADOW_SHADOW_MAP: u32 = 2;
+/// Nearest depths, and a guess of the fibres behind them.
+pub const PELAGE_SHADOW_APPROXIMATED_DEEP_SHADOW_MAP: u32 = 3;
+/// Kim and Neumann 2001.
+pub const PELAGE_SHADOW_OPACITY_SHADOW_MAPS: u32 = 4;
 /// Peters and Klein 2015, Münstermann et al. 2018.
 pub const PELAGE_SHADOW_MOMENT_OPACITY_MAP: u32 = 5;
 /// Yu et al. 2012.
@@ -564,6 +573,124 @@ impl Default for PelageKBufferVolume {
 
 descriptor!(PelageKBufferVolume, "PELAGE_K_BUFFER_VOLUME_INIT", raster: u32);
 
+/// Settings of the shadow map.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageShadowMap {
+    /// `sizeof(PelageShadowMap)`.
+    pub struct_size: u32,
+    /// Texels a side, from 16 to 8192.
+    pub resolution: u32,
+    /// Width of the filter in texels: 1, 3 or 5.
+    pub pcf: u32,
+    /// The part of the light that a shadow takes, from 0 to 1.
+    pub strength: f32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageShadowMap {
+    fn default() -> Self {
+        let ShadowMap {
+            resolution,
+            pcf,
+            strength,
+            ..
+        } = ShadowMap::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            resolution,
+            pcf,
+            strength,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageShadowMap, "PELAGE_SHADOW_MAP_INIT", raster: u32);
+
+/// Settings of the approximated deep shadow map.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageApproximatedDeepShadowMap {
+    /// `sizeof(PelageApproximatedDeepShadowMap)`.
+    pub struct_size: u32,
+    /// Texels a side, from 16 to 8192.
+    pub resolution: u32,
+    /// Width of the filter in texels: 1, 3 or 5.
+    pub pcf: u32,
+    /// Opacity of each fibre that is guessed to lie in the way, above 0 and up to 1. 0: the fibres' own where `spacing` is
+    /// given, else that times the part of a texel that a fibre covers on average.
+    pub opacity: f32,
+    /// Mean distance between fibres along a ray, in host units. 0: such that mean transmittance is that of fibres spread
+    /// evenly in the volume that they fill.
+    pub spacing: f32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageApproximatedDeepShadowMap {
+    fn default() -> Self {
+        let ApproximatedDeepShadowMap {
+            resolution, pcf, ..
+        } = ApproximatedDeepShadowMap::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            resolution,
+            pcf,
+            opacity: 0.0,
+            spacing: 0.0,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(
+    PelageApproximatedDeepShadowMap,
+    "PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT",
+    raster: u32
+);
+
+/// Settings of opacity shadow maps.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageOpacityShadowMaps {
+    /// `sizeof(PelageOpacityShadowMaps)`.
+    pub struct_size: u32,
+    /// Texels a side, from 16 to 8192.
+    pub resolution: u32,
+    /// Planes, from 1 to 256.
+    pub layers: u32,
+    /// How much farther apart the planes lie with depth, from 0, evenly, to 1, as the square of their number.
+    pub unevenness: f32,
+    /// Width of the filter in texels: 1, 3 or 5.
+    pub pcf: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageOpacityShadowMaps {
+    fn default() -> Self {
+        let OpacityShadowMaps {
+            resolution,
+            layers,
+            unevenness,
+            pcf,
+            ..
+        } = OpacityShadowMaps::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            resolution,
+            layers,
+            unevenness,
+            pcf,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageOpacityShadowMaps, "PELAGE_OPACITY_SHADOW_MAPS_INIT", raster: u32);
+
 /// A shadow technique with its settings.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -574,6 +701,12 @@ pub struct PelageShadow {
     pub technique: u32,
     /// For `PELAGE_SHADOW_DEEP_OPACITY_MAP`; NULL: as `PELAGE_DEEP_OPACITY_MAP_INIT`.
     pub deep_opacity_map: *const PelageDeepOpacityMap,
+    /// For `PELAGE_SHADOW_SHADOW_MAP`; NULL: as `PELAGE_SHADOW_MAP_INIT`.
+    pub shadow_map: *const PelageShadowMap,
+    /// For `PELAGE_SHADOW_APPROXIMATED_DEEP_SHADOW_MAP`; NULL: as `PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT`.
+    pub approximated_deep_shadow_map: *const PelageApproximatedDeepShadowMap,
+    /// For `PELAGE_SHADOW_OPACITY_SHADOW_MAPS`; NULL: as `PELAGE_OPACITY_SHADOW_MAPS_INIT`.
+    pub opacity_shadow_maps: *const PelageOpacityShadowMaps,
     /// For `PELAGE_SHADOW_MOMENT_OPACITY_MAP`; NULL: as `PELAGE_MOMENT_OPACITY_MAP_INIT`.
     pub moment_opacity_map: *const PelageMomentOpacityMap,
     /// For `PELAGE_SHADOW_K_BUFFER_VOLUME`; NULL: as `PELAGE_K_BUFFER_VOLUME_INIT`.
@@ -586,6 +719,9 @@ impl Default for PelageShadow {
             struct_size: size_of::<Self>() as u32,
             technique: PELAGE_SHADOW_DEEP_OPACITY_MAP,
             deep_opacity_map: null(),
+            shadow_map: null(),
+            approximated_deep_shadow_map: null(),
+            opacity_shadow_maps: null(),
             moment_opacity_map: null(),
             k_buffer_volume: null(),
         }
@@ -938,6 +1074,40 @@ pub(super) unsafe fn shadow(name: &str, pointer: *const PelageShadow) -> Result<
                 depth: map.depth,
                 transmitted: map.transmitted.into(),
                 raster: raster(map.raster)?,
+            })
+        }
+        PELAGE_SHADOW_SHADOW_MAP => {
+            // SAFETY: the rule of the module `capi`.
+            let map = unsafe { settings("shadow_map", given.shadow_map) }?;
+            Shadow::ShadowMap(ShadowMap {
+                resolution: map.resolution,
+                pcf: map.pcf,
+                strength: map.strength,
+                raster: raster(map.raster)?,
+            })
+        }
+        PELAGE_SHADOW_APPROXIMATED_DEEP_SHADOW_MAP => {
+            let map = given.approximated_deep_shadow_map;
+            // SAFETY: the rule of the module `capi`.
+            let map = unsafe { settings("approximated_deep_shadow_map", map) }?;
+            let chosen = |value: f32| (value != 0.0).then_some(value);
+            Shadow::ApproximatedDeepShadowMap(ApproximatedDeepShadowMap {
+                resolution: map.resolution,
+                pcf: map.pcf,
+                opacity: chosen(map.opacity),
+                spacing: chosen(map.spacing),
+                raster: raster(map.raster)?,
+            })
+        }
+        PELAGE_SHADOW_OPACITY_SHADOW_MAPS => {
+            // SAFETY: the rule of the module `capi`.
+            let maps = unsafe { settings("opacity_shadow_maps", given.opacity_shadow_maps) }?;
+            Shadow::OpacityShadowMaps(OpacityShadowMaps {
+                resolution: maps.resolution,
+                layers: maps.layers,
+                unevenness: maps.unevenness,
+                pcf: maps.pcf,
+                raster: raster(maps.raster)?,
             })
         }
         PELAGE_SHADOW_MOMENT_OPACITY_MAP => {

@@ -37,11 +37,13 @@ const FRONT: Emission = Emission {
     stage: 0,
     files: &[
         "shadow/front",
+        "shadow/map_emit",
         "shadow/deep_opacity_map_common",
         "shadow/deep_opacity_map_emit",
     ],
     group: Group::MapsWritten,
     touch_only: true,
+    centre_only: false,
     downscale: 1,
 };
 const LAYERS: Emission = Emission {

@@ -43,6 +43,7 @@ const EVENTS: Emission = Emission {
     ],
     group: Group::MapsWritten,
     touch_only: false,
+    centre_only: false,
     downscale: 1,
 };
 

@@ -3,12 +3,18 @@
 //! A technique with maps says what each is made of ([`Shape`]), fills it (`record`), and is looked up by its files'
 //! `shadow_texel`. One technique serves all lights of a frame; their settings may differ.
 
+pub mod approximated_deep_shadow_map;
 pub mod deep_opacity_map;
 pub mod k_buffer_volume;
 pub mod moment_opacity_map;
 pub mod none;
+pub mod opacity_shadow_maps;
+pub mod shadow_map;
 
+pub use approximated_deep_shadow_map::ApproximatedDeepShadowMap;
 pub use deep_opacity_map::DeepOpacityMap;
+pub use opacity_shadow_maps::OpacityShadowMaps;
+pub use shadow_map::ShadowMap;
 pub use k_buffer_volume::{Attenuation, KBufferVolume};
 pub use moment_opacity_map::MomentOpacityMap;
 
@@ -16,6 +22,7 @@ use glam::Vec3;
 
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Passes};
+use crate::light::LightCameras;
 use crate::plan::{Plan, PlannedMap};
 use crate::raster::{self, Emission, Raster};
 use crate::resources::Bound;
@@ -28,6 +35,12 @@ pub enum Shadow {
     None,
     /// Yuksel and Keyser 2008 (Hunz §4.2).
     DeepOpacityMap(DeepOpacityMap),
+    /// Nearest depths with percentage-closer filtering (Hunz §6.2).
+    ShadowMap(ShadowMap),
+    /// Nearest depths, and a guess of the fibres behind them (Hunz §4.3).
+    ApproximatedDeepShadowMap(ApproximatedDeepShadowMap),
+    /// Kim and Neumann 2001 (Kim §4).
+    OpacityShadowMaps(OpacityShadowMaps),
     /// Moments of each texel's optical depths, after Peters and Klein 2015 and Münstermann et al. 2018.
     MomentOpacityMap(MomentOpacityMap),
     /// Yu et al. 2012, §3.1.
@@ -46,6 +59,9 @@ impl Shadow {
         match self {
             Self::None => "none",
             Self::DeepOpacityMap(_) => "deep_opacity_map",
+            Self::ShadowMap(_) => "shadow_map",
+            Self::ApproximatedDeepShadowMap(_) => "approximated_deep_shadow_map",
+            Self::OpacityShadowMaps(_) => "opacity_shadow_maps",
             Self::MomentOpacityMap(_) => "moment_opacity_map",
             Self::KBufferVolume(_) => "k_buffer_volume",
         }
@@ -59,6 +75,9 @@ impl Shadow {
         match self {
             Self::None => Ok(()),
             Self::DeepOpacityMap(settings) => settings.validate(),
+            Self::ShadowMap(settings) => settings.validate(),
+            Self::ApproximatedDeepShadowMap(settings) => settings.validate(),
+            Self::OpacityShadowMaps(settings) => settings.validate(),
             Self::MomentOpacityMap(settings) => settings.validate(),
             Self::KBufferVolume(settings) => settings.validate(),
         }
@@ -69,6 +88,9 @@ impl Shadow {
         match self {
             Self::None => None,
             Self::DeepOpacityMap(settings) => Some(settings.shape(sight)),
+            Self::ShadowMap(settings) => Some(settings.shape(sight)),
+            Self::ApproximatedDeepShadowMap(settings) => Some(settings.shape(sight)),
+            Self::OpacityShadowMaps(settings) => Some(settings.shape(sight)),
             Self::MomentOpacityMap(settings) => Some(settings.shape(sight)),
             Self::KBufferVolume(settings) => Some(settings.shape(sight)),
         }
@@ -79,6 +101,9 @@ impl Shadow {
         match self {
             Self::None => none::LOOK_UP,
             Self::DeepOpacityMap(_) => deep_opacity_map::LOOK_UP,
+            Self::ShadowMap(_) => shadow_map::LOOK_UP,
+            Self::ApproximatedDeepShadowMap(_) => approximated_deep_shadow_map::LOOK_UP,
+            Self::OpacityShadowMaps(_) => opacity_shadow_maps::LOOK_UP,
             Self::MomentOpacityMap(_) => moment_opacity_map::LOOK_UP,
             Self::KBufferVolume(_) => k_buffer_volume::LOOK_UP,
         }
@@ -89,10 +114,40 @@ impl Shadow {
         match self {
             Self::None => 0,
             Self::DeepOpacityMap(_) => 1,
+            Self::ShadowMap(_) => 2,
+            Self::ApproximatedDeepShadowMap(_) => 3,
+            Self::OpacityShadowMaps(_) => 4,
             Self::MomentOpacityMap(_) => 5,
             Self::KBufferVolume(_) => 6,
         }
     }
+
+    /// Whether the maps' shape depends on how densely the hair fills space, which takes a look at every strand once.
+    pub(crate) fn needs_density(&self) -> bool {
+        match self {
+            Self::None
+            | Self::DeepOpacityMap(_)
+            | Self::ShadowMap(_)
+            | Self::OpacityShadowMaps(_)
+            | Self::MomentOpacityMap(_)
+            | Self::KBufferVolume(_) => false,
+            Self::ApproximatedDeepShadowMap(settings) => {
+                settings.opacity.is_none() || settings.spacing.is_none()
+            }
+        }
+    }
+}
+
+/// The fibres of all hairs of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Fibres {
+    /// Mean of their own opacities, by area, and the largest of them.
+    pub opacity: f64,
+    pub most_opaque: f64,
+    /// Mean over their length, and length × diameter over the volume that they fill, in host units: 0 where no technique
+    /// asks for them.
+    pub diameter: f64,
+    pub area_density: f64,
 }
 
 /// How a light's maps see the hair, in host units.
@@ -105,9 +160,20 @@ pub(crate) struct Sight {
     pub nearest_width: f64,
     /// The widest fibre's radius.
     pub radius: f64,
+    pub fibres: Fibres,
 }
 
 impl Sight {
+    pub fn new(cameras: &LightCameras, radius: f64, fibres: Fibres) -> Self {
+        Self {
+            extent: cameras.extent,
+            width: cameras.width,
+            nearest_width: cameras.nearest_width,
+            radius,
+            fibres,
+        }
+    }
+
     /// The widest fibre's half-width in texels.
     pub fn half_width(&self, resolution: u32) -> f64 {
         self.radius * f64::from(resolution) / self.nearest_width
@@ -214,6 +280,11 @@ pub(crate) fn record(
     match map.technique {
         Shadow::None => Ok(()),
         Shadow::DeepOpacityMap(_) => deep_opacity_map::record(gpu, passes, bound, map, plan),
+        Shadow::ShadowMap(_) => shadow_map::record(gpu, passes, bound, map, plan),
+        Shadow::ApproximatedDeepShadowMap(_) => {
+            approximated_deep_shadow_map::record(gpu, passes, bound, map, plan)
+        }
+        Shadow::OpacityShadowMaps(_) => opacity_shadow_maps::record(gpu, passes, bound, map, plan),
         Shadow::MomentOpacityMap(_) => moment_opacity_map::record(gpu, passes, bound, map, plan),
         Shadow::KBufferVolume(_) => k_buffer_volume::record(gpu, passes, bound, map, plan),
     }

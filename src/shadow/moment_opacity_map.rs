@@ -45,6 +45,7 @@ const MOMENTS: Emission = Emission {
     ],
     group: Group::MapsWritten,
     touch_only: false,
+    centre_only: false,
     downscale: 1,
 };
 

@@ -241,8 +241,37 @@ fn initialisers() -> String {
         "PELAGE_SHADOW_INIT",
         technique,
         deep_opacity_map,
+        shadow_map,
+        approximated_deep_shadow_map,
+        opacity_shadow_maps,
         moment_opacity_map,
         k_buffer_volume
+    );
+    initialiser!(
+        PelageShadowMap,
+        "PELAGE_SHADOW_MAP_INIT",
+        resolution,
+        pcf,
+        strength,
+        raster
+    );
+    initialiser!(
+        PelageApproximatedDeepShadowMap,
+        "PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT",
+        resolution,
+        pcf,
+        opacity,
+        spacing,
+        raster
+    );
+    initialiser!(
+        PelageOpacityShadowMaps,
+        "PELAGE_OPACITY_SHADOW_MAPS_INIT",
+        resolution,
+        layers,
+        unevenness,
+        pcf,
+        raster
     );
     initialiser!(PelageOpaque, "PELAGE_OPAQUE_INIT", raster);
     initialiser!(

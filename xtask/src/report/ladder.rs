@@ -8,7 +8,10 @@ use pelage::groom::BuiltinGroom;
 use pelage::shading::{
     Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
 };
-use pelage::shadow::{DeepOpacityMap, KBufferVolume, MomentOpacityMap, Shadow};
+use pelage::shadow::{
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps, Shadow,
+    ShadowMap,
+};
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
 use serde_json::Value;
 
@@ -163,6 +166,78 @@ fn fibre_models() -> Vec<Shading> {
     models
 }
 
+/// Every shadow technique.
+fn shadows(quick: bool) -> Vec<Shadow> {
+    let resolutions: &[u32] = if quick {
+        &[256, 512]
+    } else {
+        &[128, 256, 512, 1024]
+    };
+    let mut shadows = Vec::new();
+    for &resolution in resolutions {
+        for pcf in [1, 3, 5] {
+            shadows.push(Shadow::ShadowMap(ShadowMap {
+                resolution,
+                pcf,
+                ..ShadowMap::default()
+            }));
+        }
+    }
+    // The strength that Hunz (§6.2.1) ends up with.
+    shadows.push(Shadow::ShadowMap(ShadowMap {
+        strength: 0.6,
+        ..ShadowMap::default()
+    }));
+    for &resolution in resolutions {
+        for pcf in [1, 3, 5] {
+            shadows.push(Shadow::ApproximatedDeepShadowMap(
+                ApproximatedDeepShadowMap {
+                    resolution,
+                    pcf,
+                    ..ApproximatedDeepShadowMap::default()
+                },
+            ));
+        }
+    }
+    for &resolution in resolutions {
+        // 256 planes of 1024² texels are more than one binding of a software driver holds.
+        for layers in [16, 64, 256]
+            .into_iter()
+            .take(if resolution > 256 { 2 } else { 3 })
+        {
+            for pcf in [1, 3] {
+                shadows.push(Shadow::OpacityShadowMaps(OpacityShadowMaps {
+                    resolution,
+                    layers,
+                    pcf,
+                    ..OpacityShadowMaps::default()
+                }));
+            }
+        }
+    }
+    for layers in [16, 64] {
+        shadows.push(Shadow::OpacityShadowMaps(OpacityShadowMaps {
+            layers,
+            unevenness: 0.5,
+            ..OpacityShadowMaps::default()
+        }));
+    }
+    for &resolution in resolutions {
+        for layers in [2, 4, 8, 16] {
+            for pcf in [1, 3] {
+                shadows.push(Shadow::DeepOpacityMap(DeepOpacityMap {
+                    resolution,
+                    layers,
+                    pcf,
+                    ..DeepOpacityMap::default()
+                }));
+            }
+        }
+    }
+    shadows.extend(volume_shadows(resolutions));
+    shadows
+}
+
 /// Moment opacity maps and k-buffer volumes over their settings.
 fn volume_shadows(resolutions: &[u32]) -> Vec<Shadow> {
     let mut shadows = Vec::new();
@@ -212,37 +287,12 @@ pub fn cases(quick: bool) -> Vec<Case> {
         shading,
         ..base.clone()
     }));
-    let resolutions: &[u32] = if quick {
-        &[256, 512]
-    } else {
-        &[256, 512, 1024]
-    };
-    for &resolution in resolutions {
-        for layers in [2, 4, 8, 16] {
-            for pcf in [1, 3] {
-                let map = DeepOpacityMap {
-                    resolution,
-                    layers,
-                    pcf,
-                    ..DeepOpacityMap::default()
-                };
-                cases.push(Case {
-                    group: Group::Shadow,
-                    shading: white(0.0, 60.0),
-                    shadow: Shadow::DeepOpacityMap(map),
-                    ..base.clone()
-                });
-            }
-        }
-    }
-    for shadow in volume_shadows(resolutions) {
-        cases.push(Case {
-            group: Group::Shadow,
-            shading: white(0.0, 60.0),
-            shadow,
-            ..base.clone()
-        });
-    }
+    cases.extend(shadows(quick).into_iter().map(|shadow| Case {
+        group: Group::Shadow,
+        shading: white(0.0, 60.0),
+        shadow,
+        ..base.clone()
+    }));
     let base = Case {
         group: Group::Transparency,
         ..base

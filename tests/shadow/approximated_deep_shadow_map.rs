@@ -1,0 +1,127 @@
+//! The approximated deep shadow map against its model and against exact transmittance.
+
+use pelage::glam::{DVec3, Vec3};
+use pelage::groom::{BuiltinGroom, builtin};
+use pelage::shadow::{ApproximatedDeepShadowMap, Shadow};
+use pelage::{Frame, Raster};
+use pelage_reference::composite::Image;
+use pelage_reference::error::colour_error;
+use pelage_reference::shadow_maps::approximated_deep_shadow_map;
+use pelage_reference::transmittance::Light as Towards;
+
+use crate::common::device;
+use crate::common::images::{Tolerance, assert_close};
+use crate::common::scenes::{WHITE, portrait};
+
+use super::support::{OPAQUE, directional, draw, exact, image_of, light, modelled};
+
+const DIRECTION: DVec3 = DVec3::new(-0.4, -0.8, -0.5);
+/// 16-bit floats, and texels that a fibre touches by less than a float tells.
+const MODEL: Tolerance = Tolerance {
+    rmse: 2e-3,
+    p99: 4e-3,
+};
+
+#[test]
+fn it_is_what_its_model_says() {
+    let Some(mut device) = device() else { return };
+    let size = [82, 107];
+    let strands = builtin(BuiltinGroom::Wavy, 1_000).unwrap();
+    let mut hair = device.renderer.create_hair(&strands).unwrap();
+    (hair.shading, hair.opacity) = (WHITE, 0.7);
+    for (pcf, opacity, spacing, raster) in [
+        (1, Some(0.3), 0.02, Raster::Walk),
+        (3, None, 0.05, Raster::Ribbons),
+        (5, Some(0.05), 0.001, Raster::Walk),
+    ] {
+        let settings = ApproximatedDeepShadowMap {
+            resolution: 128,
+            pcf,
+            opacity,
+            spacing: Some(spacing),
+            raster,
+        };
+        let lights = [light(
+            directional(DIRECTION),
+            Shadow::ApproximatedDeepShadowMap(settings),
+        )];
+        let frame = Frame {
+            hairs: &[&hair],
+            lights: &lights,
+            ambient: Vec3::ZERO,
+            view: portrait(size),
+            transparency: OPAQUE,
+        };
+        let passed = modelled(&frame, 128, pcf, |_| {
+            let opacity = f64::from(opacity.unwrap_or(0.7));
+            Box::new(move |occluders, depth| {
+                approximated_deep_shadow_map(occluders, depth, opacity, f64::from(spacing))
+            })
+        });
+        let expected = image_of(&frame, size, &passed);
+        let actual = draw(&mut device, &[&hair], &lights, size, frame.view);
+        assert_close(
+            &format!("approximated_deep_shadow_map pcf {pcf}"),
+            &actual,
+            &expected,
+            MODEL,
+        );
+    }
+}
+
+/// Of the light that truly reaches the hair's points, with opacity and spacing of the library's own finding. The straight
+/// groom is a shell and its strands lie side by side: the same volume, but gaps and bunches.
+const BIAS: f64 = 0.3;
+
+#[test]
+fn spacing_and_opacity_found_from_the_groom_give_about_the_right_mean() {
+    let Some(mut device) = device() else { return };
+    let size = [164, 215];
+    for (groom, opacity) in [
+        (BuiltinGroom::Straight, 1.0),
+        (BuiltinGroom::Straight, 0.3),
+        (BuiltinGroom::Curly, 0.5),
+    ] {
+        let strands = builtin(groom, 3_000).unwrap();
+        let mut hair = device.renderer.create_hair(&strands).unwrap();
+        (hair.shading, hair.opacity) = (WHITE, opacity);
+        let hairs = [&hair];
+        let mut sums = Vec::new();
+        for settings in [
+            ApproximatedDeepShadowMap::default(),
+            ApproximatedDeepShadowMap {
+                opacity: Some(0.2),
+                ..Default::default()
+            },
+        ] {
+            let shadow = Shadow::ApproximatedDeepShadowMap(settings);
+            let lights = [light(directional(DIRECTION), shadow)];
+            let frame = Frame {
+                hairs: &hairs,
+                lights: &lights,
+                ambient: Vec3::ZERO,
+                view: portrait(size),
+                transparency: OPAQUE,
+            };
+            let towards = Towards::Directional {
+                towards: -DIRECTION,
+            };
+            let expected = exact(&frame, size, towards, 0.0018);
+            let actual = draw(&mut device, &hairs, &lights, size, frame.view);
+            let lit = [light(directional(DIRECTION), Shadow::None)];
+            let lit = draw(&mut device, &hairs, &lit, size, frame.view);
+            let mean = |image: &Image| image.pixels.iter().map(|p| p[0]).sum::<f64>();
+            let [error, without] =
+                [&actual, &lit].map(|image| colour_error(image, &expected, None).rmse);
+            let bias = mean(&actual) / mean(&expected);
+            eprintln!(
+                "approximated_deep_shadow_map, {groom:?}, opacity {opacity}, {:?}: RMSE {error:.4} (no shadow: {without:.4}), \
+                 mean {bias:.4} of exact",
+                settings.opacity
+            );
+            assert!(error < 0.6 * without);
+            sums.push(bias);
+        }
+        assert!((sums[0] - 1.0).abs() < BIAS, "{groom:?}: {sums:?}");
+    }
+}

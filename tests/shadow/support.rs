@@ -1,0 +1,159 @@
+//! What the tests of all shadow techniques share: white diffuse fibres, whose brightness is the light that reaches them.
+
+use pelage::glam::{DVec3, Vec3};
+use pelage::raster::Raster;
+use pelage::shadow::Shadow;
+use pelage::testing::{LightMap, light_map};
+use pelage::transparency::{Opaque, Transparency};
+use pelage::{Frame, Hair, Light, LightKind, View};
+use pelage_reference::composite::{self, Image};
+use pelage_reference::fragments::fragment_lists;
+use pelage_reference::scene::Camera;
+use pelage_reference::shadow_maps;
+use pelage_reference::transmittance::{Light as Towards, Occluders, Query};
+
+use crate::common::Device;
+use crate::common::images::render;
+use crate::common::scenes::{World, curve_tangents, lists, point_radiance, world};
+
+/// The nearest fragment alone: the picture is of points' colours.
+pub const OPAQUE: Option<Transparency> = Some(Transparency::Opaque(Opaque {
+    raster: Raster::Auto,
+}));
+/// Two 16-bit floats and their interpolation.
+pub const HALF_FLOATS: f64 = 2e-3;
+
+/// A directional light of irradiance 1.
+pub fn directional(direction: DVec3) -> LightKind {
+    LightKind::Directional {
+        direction,
+        irradiance: Vec3::ONE,
+    }
+}
+
+/// A light with a technique of its own.
+pub fn light(kind: LightKind, shadow: Shadow) -> Light {
+    Light {
+        kind,
+        shadow: Some(shadow),
+    }
+}
+
+/// A frame of hairs under lights.
+pub fn draw(
+    device: &mut Device,
+    hairs: &[&Hair],
+    lights: &[Light],
+    size: [u32; 2],
+    view: View,
+) -> Image {
+    let frame = Frame {
+        hairs,
+        lights,
+        ambient: Vec3::ZERO,
+        view,
+        transparency: OPAQUE,
+    };
+    render(device, &frame, size).0
+}
+
+/// Shadowed over unshadowed red where hair is opaque enough to tell.
+pub fn ratios(shadowed: &Image, lit: &Image) -> Vec<f64> {
+    let seen = |(_, lit): &(&[f64; 4], &[f64; 4])| lit[0] > 0.02;
+    shadowed
+        .pixels
+        .iter()
+        .zip(&lit.pixels)
+        .filter(seen)
+        .map(|(shadowed, lit)| shadowed[0] / lit[0])
+        .collect()
+}
+
+/// The frame as it would be if the part `passed[i]` of the first light reached point i.
+pub fn image_of(frame: &Frame, size: [u32; 2], passed: &[f64]) -> Image {
+    let colours: Vec<[f64; 3]> = point_radiance(frame)
+        .iter()
+        .zip(passed)
+        .map(|(colour, passed)| colour.map(|c| c * passed))
+        .collect();
+    let alpha = f64::from(frame.hairs[0].opacity);
+    composite::opaque(
+        &lists(frame, size, None),
+        alpha,
+        composite::point_colours(&colours),
+    )
+}
+
+/// The frame with exact transmittance at every strand point, averaged over a disc.
+pub fn exact(frame: &Frame, size: [u32; 2], light: Towards, footprint: f64) -> Image {
+    let world = world(frame.hairs);
+    let occluders = Occluders::new(&world.strands);
+    let query = Query {
+        light,
+        alpha: f64::from(frame.hairs[0].opacity),
+        footprint,
+        samples: 32,
+    };
+    let mut points = Vec::new();
+    for strand in 0..world.strands.len() {
+        let range = world.strands.range(strand);
+        points.extend(
+            range
+                .clone()
+                .map(|at| (world.strands.points[at], Some(at.min(range.end - 2)))),
+        );
+    }
+    image_of(frame, size, &occluders.transmittances(&points, &query))
+}
+
+/// What a texel says of a depth: the model of a technique.
+pub type Texel<'a> = dyn Fn(&[shadow_maps::Occluder], f64) -> f64 + Sync + 'a;
+
+/// The part of its only light, a directional one, that a technique's model lets through to each point of a frame.
+pub fn modelled(
+    frame: &Frame,
+    resolution: u32,
+    pcf: u32,
+    texel: impl Fn(&LightMap) -> Box<Texel<'static>>,
+) -> Vec<f64> {
+    let map = light_map(frame, 0).unwrap();
+    let LightKind::Directional { direction, .. } = frame.lights[0].kind else {
+        panic!("no directional light")
+    };
+    let towards = -direction.normalize();
+    let World { strands, .. } = world(frame.hairs);
+    let size = resolution as usize;
+    let camera = Camera {
+        clip_from_world: map.clip_from_world,
+        eye: towards.extend(0.0),
+        width: size,
+        height: size,
+    };
+    let fragments = fragment_lists(&strands, &camera, None);
+    let model = shadow_maps::LightMap {
+        camera: &camera,
+        lists: &fragments,
+        depth_row: map.depth_row,
+        strands: &strands,
+    };
+    let occluders: Vec<Vec<shadow_maps::Occluder>> = (0..size * size)
+        .map(|at| model.occluders(at % size, at / size))
+        .collect();
+    let texel = texel(&map);
+    let tangents = curve_tangents(&strands);
+    strands
+        .points
+        .iter()
+        .zip(tangents)
+        .map(|(point, tangent)| {
+            // The look-up moves towards the light as its fibre leans towards it.
+            let lean = tangent.dot(towards).abs();
+            let slope = lean / (1.0 - lean * lean).max(0.0).sqrt().max(0.125);
+            let position = *point + towards * (2.0 * slope * map.bias);
+            let depth = model.depth(position) - map.bias;
+            model.filtered(position, pcf as usize, |x, y| {
+                texel(&occluders[y * size + x], depth)
+            })
+        })
+        .collect()
+}
