@@ -10,8 +10,8 @@ use pelage::shading::{
     Scheuermann, Shading, Tables,
 };
 use pelage::shadow::{
-    ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps, Shadow,
-    ShadowMap,
+    ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap,
+    OpacityShadowMaps, Shadow, ShadowMap,
 };
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
 use pelage::{Raster, glam};

@@ -108,7 +108,11 @@ fn in_powers(c: &[f64]) -> Vec<f64> {
     }
     for k in 2..n {
         for i in 0..n {
-            let raised = if i > 0 { 2.0 * basis[k - 1][i - 1] } else { 0.0 };
+            let raised = if i > 0 {
+                2.0 * basis[k - 1][i - 1]
+            } else {
+                0.0
+            };
             basis[k][i] = raised - basis[k - 2][i];
         }
     }
@@ -129,7 +133,11 @@ fn real_roots(c: &[f64], reach: f64) -> Vec<f64> {
     if c.len() < 2 {
         return Vec::new();
     }
-    let slope: Vec<f64> = c[1..].iter().zip(1..).map(|(c, k)| f64::from(k) * c).collect();
+    let slope: Vec<f64> = c[1..]
+        .iter()
+        .zip(1..)
+        .map(|(c, k)| f64::from(k) * c)
+        .collect();
     let mut ends = vec![-reach];
     ends.extend(real_roots(&slope, reach));
     ends.push(reach);
@@ -165,7 +173,11 @@ pub fn moments_optical_depth(sums: &[f64], x: f64, bias: f64, part: f64) -> Opti
     let b = |k: usize| sums[k] / total * if k == 0 { 1.0 } else { 1.0 - bias };
     // T_i T_j = (T_{i+j} + T_{|i-j|}) / 2.
     let gram: Vec<Vec<f64>> = (0..n)
-        .map(|i| (0..n).map(|j| 0.5 * (b(i + j) + b(i.abs_diff(j)))).collect())
+        .map(|i| {
+            (0..n)
+                .map(|j| 0.5 * (b(i + j) + b(i.abs_diff(j))))
+                .collect()
+        })
         .collect();
     let lower = cholesky(&gram)?;
     // K(x, y) = t(x)ᵀ G⁻¹ t(y): its zeros in y are the other points, and 1 / K(y, y) is the mass at each.

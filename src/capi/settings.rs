@@ -13,8 +13,8 @@ use crate::shading::{
     sigma_a_from_reflectance,
 };
 use crate::shadow::{
-    ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps, Shadow,
-    ShadowMap,
+    ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap,
+    OpacityShadowMaps, Shadow, ShadowMap,
 };
 use crate::transparency::{ABuffer, Opaque, Storage, Transparency};
 use glam::Vec3;

@@ -13,10 +13,10 @@ pub mod shadow_map;
 
 pub use approximated_deep_shadow_map::ApproximatedDeepShadowMap;
 pub use deep_opacity_map::DeepOpacityMap;
-pub use opacity_shadow_maps::OpacityShadowMaps;
-pub use shadow_map::ShadowMap;
 pub use k_buffer_volume::{Attenuation, KBufferVolume};
 pub use moment_opacity_map::MomentOpacityMap;
+pub use opacity_shadow_maps::OpacityShadowMaps;
+pub use shadow_map::ShadowMap;
 
 use glam::Vec3;
 

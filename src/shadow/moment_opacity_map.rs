@@ -83,10 +83,7 @@ impl MomentOpacityMap {
     pub(crate) fn validate(&self) -> Result<()> {
         super::validate_map("moment_opacity_map", self.resolution, self.pcf)?;
         if !matches!(self.moments, 4 | 6) {
-            return invalid!(
-                "moment_opacity_map: moments {} is not 4 or 6",
-                self.moments
-            );
+            return invalid!("moment_opacity_map: moments {} is not 4 or 6", self.moments);
         }
         super::validate_transmitted("moment_opacity_map", self.transmitted)
     }

@@ -3,7 +3,8 @@
 use pelage::glam::{DMat4, DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, Strands, builtin};
 use pelage::shadow::{
-    ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap,
 };
 use pelage::{Frame, Hair, Light, LightKind, Raster, Target, View};
 use pelage_reference::composite::Image;
@@ -39,6 +40,16 @@ fn techniques(resolution: u32, raster: Raster) -> Vec<Shadow> {
                 ..settings
             }),
             Shadow::DeepOpacityMap(settings) => Shadow::DeepOpacityMap(DeepOpacityMap {
+                resolution,
+                raster,
+                ..settings
+            }),
+            Shadow::MomentOpacityMap(settings) => Shadow::MomentOpacityMap(MomentOpacityMap {
+                resolution,
+                raster,
+                ..settings
+            }),
+            Shadow::KBufferVolume(settings) => Shadow::KBufferVolume(KBufferVolume {
                 resolution,
                 raster,
                 ..settings

@@ -43,7 +43,7 @@ fn opacity_shadow_maps_know_the_exact_product_at_planes_and_a_mean_between() {
     assert!((passed(1.5, 0.0) - 0.6 * 0.2f64.sqrt()).abs() < 1e-12);
     assert!((passed(9.0, 0.0) - 0.6 * 0.2).abs() < 1e-12);
     // A fibre that is alone in its slab does not shadow itself, and no more than all of a slab is taken off.
-    assert!((passed(0.9, -(0.6f64.ln()))- 1.0).abs() < 1e-12);
+    assert!((passed(0.9, -(0.6f64.ln())) - 1.0).abs() < 1e-12);
     assert!((passed(2.0, 16.0) - 0.6).abs() < 1e-12);
 }
 
@@ -51,8 +51,14 @@ fn opacity_shadow_maps_know_the_exact_product_at_planes_and_a_mean_between() {
 #[test]
 fn a_map_knows_depths_centres_and_the_filter_s_weights() {
     let strands = Strands::from_polylines([
-        [(DVec3::new(-3.0, 0.4, 1.0), 0.2), (DVec3::new(3.0, 0.4, 1.0), 0.2)],
-        [(DVec3::new(0.3, -3.0, -1.0), 0.05), (DVec3::new(0.3, 3.0, 0.0), 0.05)],
+        [
+            (DVec3::new(-3.0, 0.4, 1.0), 0.2),
+            (DVec3::new(3.0, 0.4, 1.0), 0.2),
+        ],
+        [
+            (DVec3::new(0.3, -3.0, -1.0), 0.05),
+            (DVec3::new(0.3, 3.0, 0.0), 0.05),
+        ],
     ]);
     let view = look_at(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y);
     let camera = Camera::orthographic(view, 4.0, [0.0, 10.0], [8, 8]);

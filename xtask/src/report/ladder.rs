@@ -9,8 +9,8 @@ use pelage::shading::{
     Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, Tables,
 };
 use pelage::shadow::{
-    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps, Shadow,
-    ShadowMap,
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap,
 };
 use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
 use serde_json::Value;
@@ -253,7 +253,10 @@ fn volume_shadows(resolutions: &[u32]) -> Vec<Shadow> {
             }));
         }
         // 64 events of 1024² texels are more than a binding holds.
-        for k in [4, 8, 16, 64].into_iter().filter(|k| resolution * resolution * k <= 1 << 24) {
+        for k in [4, 8, 16, 64]
+            .into_iter()
+            .filter(|k| resolution * resolution * k <= 1 << 24)
+        {
             shadows.extend([false, true].map(|tail| {
                 Shadow::KBufferVolume(KBufferVolume {
                     resolution,
