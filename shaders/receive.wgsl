@@ -28,9 +28,7 @@ fn receive(in: ReceiveVertex) -> @location(0) vec4f {
     var total = frame.ambient;
     var reached = frame.ambient;
     for (var light = 0u; light < in.light_count; light++) {
-        let place = frame.lights[light].place;
-        let to_light = place.xyz - position * place.w;
-        let power = frame.lights[light].power * select(1.0, 1.0 / max(dot(to_light, to_light), 1e-20), place.w > 0.0);
+        let power = light_reach(light, position).irradiance;
         total += power;
         reached += power * shadow_received(position, light).transmittance;
     }

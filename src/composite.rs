@@ -52,7 +52,10 @@ pub(crate) fn receive(
         operation: wgpu::BlendOperation::Add,
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: Module::new(plan.shadow.look_up()).and(&["common/fullscreen", "receive"]),
+        module: plan
+            .shadow
+            .module()
+            .and(&["common/light", "common/fullscreen", "receive"]),
         vertex: "receive_vertex",
         fragment: "receive",
         groups: &[Group::Frame, Group::MapsRead],

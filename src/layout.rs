@@ -66,9 +66,11 @@ pub struct Light {
     pub pcf: u32,
     pub layer_count: u32,
     pub bias: f32,
+    pub cos_outer: f32,
+    pub edge: f32,
     pub padding_0: f32,
+    pub axis: [f32; 3],
     pub padding_1: f32,
-    pub padding_2: f32,
 }
 
 #[repr(C)]

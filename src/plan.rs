@@ -8,7 +8,7 @@ use crate::frame::{Frame, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, workgroups};
 use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
-use crate::light::{Light, LightCamera, LightKind, light_cameras};
+use crate::light::{LightCamera, LightKind, light_cameras};
 use crate::raster::Rasteriser;
 use crate::shading::Shading;
 use crate::shadow::{Fibres, Shadow, Shape, Sight};
@@ -381,15 +381,18 @@ impl Plan {
         let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
         let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
         for (number, light) in frame.lights.iter().enumerate() {
-            let (place, power) = place_of(light, origin);
+            let emitter = light.kind.emitter(origin);
             let uniform = &mut self.frame_uniform.lights[number];
-            uniform.place = vector(place);
-            uniform.power = power.into();
+            uniform.place = vector(emitter.place);
+            uniform.power = emitter.power.into();
+            uniform.axis = emitter.axis.as_vec3().into();
+            uniform.cos_outer = emitter.cosines[0] as f32;
+            uniform.edge = 1.0 / (emitter.cosines[1] - emitter.cosines[0]).max(1e-6) as f32;
             let technique = choose_shadow(frame, number)?;
             if corners.is_empty() || self.runs.is_empty() {
                 continue;
             }
-            let cameras = light_cameras(place, &corners, radius);
+            let cameras = light_cameras(&emitter, &corners, radius);
             let fibres = fibres(frame, placed, technique.needs_density());
             let sight = Sight::new(&cameras, radius, fibres);
             let Some(shape) = technique.shape(&sight) else {
@@ -639,20 +642,6 @@ fn one_shading(frame: &Frame) -> Result<(&'static str, &'static [&'static str])>
     }
 }
 
-/// Where a light is in relative space, and how strong.
-fn place_of(light: &Light, origin: DVec3) -> (DVec4, Vec3) {
-    match light.kind {
-        LightKind::Directional {
-            direction,
-            irradiance,
-        } => ((-direction.normalize()).extend(0.0), irradiance),
-        LightKind::Point {
-            position,
-            intensity,
-        } => ((position - origin).extend(1.0), intensity),
-    }
-}
-
 /// The first map of a light: its camera, the origin of relative space, the hair's depth range, and what it is made of.
 pub(crate) fn first_map(frame: &Frame, number: usize) -> Option<(LightCamera, DVec3, f64, Shape)> {
     let origin = frame.view.origin();
@@ -662,8 +651,8 @@ pub(crate) fn first_map(frame: &Frame, number: usize) -> Option<(LightCamera, DV
         .collect();
     let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
     let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
-    let (place, _) = place_of(&frame.lights[number], origin);
-    let mut cameras = light_cameras(place, &corners, radius);
+    let emitter = frame.lights[number].kind.emitter(origin);
+    let mut cameras = light_cameras(&emitter, &corners, radius);
     let technique = choose_shadow(frame, number).ok()?;
     let fibres = fibres(frame, &placed, technique.needs_density());
     let shape = technique.shape(&Sight::new(&cameras, radius, fibres))?;
@@ -687,7 +676,6 @@ fn fibres(frame: &Frame, placed: &[Placed], with_density: bool) -> Fibres {
         lengths += length;
         areas += length * diameter;
         fibres.opacity += opacity * length * diameter;
-        fibres.most_opaque = fibres.most_opaque.max(opacity);
     }
     let over = |sum: f64, by: f64| if by > 0.0 { sum / by } else { 0.0 };
     Fibres {
@@ -779,6 +767,11 @@ fn tail_scale(frame: &Frame, placed: &[Placed], origin: DVec3) -> f32 {
             LightKind::Point {
                 position,
                 intensity,
+            }
+            | LightKind::Spot {
+                position,
+                intensity,
+                ..
             } => {
                 let nearest = placed
                     .iter()

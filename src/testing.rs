@@ -96,7 +96,7 @@ pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) 
 
 /// A shadow technique's look-up, `shadow_texel` and all beneath it, behind the common files.
 pub fn shadow_source(shadow: &Shadow) -> String {
-    Module::new(shadow.look_up()).join().source
+    shadow.module().join().source
 }
 
 /// Every module that the crate can build.
@@ -165,7 +165,9 @@ pub fn combinations() -> Vec<Combination> {
     for shadow in shadows().iter().filter(|shadow| **shadow != Shadow::None) {
         modules.push((
             format!("receive {}", shadow.stem()),
-            Module::new(shadow.look_up()).and(&["common/fullscreen", "receive"]),
+            shadow
+                .module()
+                .and(&["common/light", "common/fullscreen", "receive"]),
         ));
     }
     for model in models().iter().filter(|model| model.tables().is_some()) {
@@ -257,7 +259,8 @@ pub fn layouts() -> Vec<Layout> {
             padding_1,
         }
         Light {
-            place, power, map_count, map_first, resolution, pcf, layer_count, bias, padding_0, padding_1, padding_2,
+            place, power, map_count, map_first, resolution, pcf, layer_count, bias, cos_outer, edge,
+            padding_0, axis, padding_1,
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values, colour }
         Frame {

@@ -162,9 +162,10 @@ fn real_roots(c: &[f64], reach: f64) -> Vec<f64> {
 }
 
 /// Ω(x) from moments. `bias`, from 0 to 1, moves them towards those of the density 1/√(1 - x²), all of which but the first
-/// are 0, so that they are those of some measure in spite of rounding; `part` of the mass at x counts as before it. `None`
-/// where the moments are those of no measure of more than m/2 points.
-pub fn moments_optical_depth(sums: &[f64], x: f64, bias: f64, part: f64) -> Option<f64> {
+/// are 0, so that they are those of some measure in spite of rounding; `part` of the mass at x counts as before it, but for
+/// `own`, a mass known to be there that does not count. `None` where the moments are those of no measure of more than m/2
+/// points.
+pub fn moments_optical_depth(sums: &[f64], x: f64, own: f64, bias: f64, part: f64) -> Option<f64> {
     let total = sums[0];
     if total <= 0.0 {
         return Some(0.0);
@@ -188,7 +189,7 @@ pub fn moments_optical_depth(sums: &[f64], x: f64, bias: f64, part: f64) -> Opti
     };
     let others = real_roots(&in_powers(&kernel), 1e4);
     let before: f64 = others.into_iter().filter(|y| *y < x).map(mass).sum();
-    Some(total * (before + part * mass(x)))
+    Some(total * before + part * (total * mass(x) - own).max(0.0))
 }
 
 /// Σ Ω, then Σ Ω cos(2πk d) and Σ Ω sin(2πk d) for k from 1 to `pairs`, with d from 0 to 1 as x goes from -1 to 1.

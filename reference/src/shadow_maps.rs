@@ -23,6 +23,8 @@ pub struct LightMap<'a> {
 /// A fragment on a light's map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Occluder {
+    /// Index, in the points of all strands, of the segment's first point.
+    pub segment: usize,
     /// Depth along the map's axis.
     pub depth: f64,
     /// The part of the texel that the fibre covers.
@@ -60,6 +62,7 @@ impl LightMap<'_> {
             let half_width = self.texels(outwards.extend(0.0)).dot(across).abs();
             let distance = (centre - self.texels(axis.extend(1.0))).dot(across).abs();
             Occluder {
+                segment: first,
                 depth: self.depth(axis),
                 coverage: fragment.coverage,
                 at_centre: distance < half_width,
@@ -98,6 +101,12 @@ impl LightMap<'_> {
     }
 }
 
+/// What must lie before a point in a texel to shadow it: in front of the point, and where its own fibre crosses the texel, at
+/// a depth `own`, by `margin` in front of that too.
+pub fn nearest_depth(depth: f64, own: Option<f64>, margin: f64) -> f64 {
+    own.map_or(depth, |own| own.min(depth) - margin)
+}
+
 /// Shadow map: what lies behind the nearest fibre at the texel's centre loses `strength` of its light.
 pub fn shadow_map(occluders: &[Occluder], depth: f64, strength: f64) -> f64 {
     let mut at_centre = occluders.iter().filter(|occluder| occluder.at_centre);
@@ -124,14 +133,8 @@ pub fn approximated_deep_shadow_map(
 }
 
 /// Opacity shadow maps (Kim routine 2, κ = 1): `exp(-Ω)`, Ω known at planes, `planes[0]` before all hair, and linear in
-/// between. Of the two planes around the point, the hair in between is taken to be `own` less, but not less than none.
-pub fn opacity_shadow_maps(
-    occluders: &[Occluder],
-    depth: f64,
-    alpha: f64,
-    planes: &[f64],
-    own: f64,
-) -> f64 {
+/// between. `occluders` are those of other fibres than the point's own.
+pub fn opacity_shadow_maps(occluders: &[Occluder], depth: f64, alpha: f64, planes: &[f64]) -> f64 {
     let last = planes.len() - 1;
     let sum_before = |plane: usize| -> f64 {
         let passed = |o: &&Occluder| plane == last || (plane > 0 && o.depth < planes[plane]);
@@ -152,6 +155,5 @@ pub fn opacity_shadow_maps(
         .count();
     let [before, behind] = [sum_before(slab), sum_before(slab + 1)];
     let part = (depth - planes[slab]) / (planes[slab + 1] - planes[slab]);
-    let others = (behind - before - own).max(0.0);
-    (-(before + part.min(1.0) * others)).exp()
+    (-(before + part.min(1.0) * (behind - before))).exp()
 }

@@ -69,9 +69,13 @@ struct Light {
     layer_count: u32,
     // Depth by which a shaded point is moved towards the light.
     bias: f32,
+    // Of a spot: the cosine of the angle from which on nothing is lit, one over how much higher that is where all is, and
+    // the axis; of others the axis is zero, and everything is lit.
+    cos_outer: f32,
+    edge: f32,
     padding_0: f32,
+    axis: vec3f,
     padding_1: f32,
-    padding_2: f32,
 }
 
 struct ShadowView {

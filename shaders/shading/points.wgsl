@@ -20,12 +20,10 @@ fn points_relative(index: u32) -> vec3f {
     return (drawing.relative_from_object * vec4f(points[index].position, 1.0)).xyz;
 }
 
-// Unit tangent of the circle through the point and its two neighbours: it parts the turn between the two segments as their
-// lengths do, so that unevenly spaced points are lit as even ones are. Some unit vector where the strand has no length here.
-fn points_tangent(index: u32, strand: u32) -> vec3f {
-    let here = points_relative(index);
-    let before = here - points_relative(select(index - 1u, index, (strand & POINT_FIRST) != 0u));
-    let after = points_relative(select(index + 1u, index, (strand & POINT_LAST) != 0u)) - here;
+// Unit tangent of the circle through a point and its two neighbours, from the ways between them: it parts the turn between the
+// two segments as their lengths do, so that unevenly spaced points are lit as even ones are. Some unit vector where the
+// strand has no length here.
+fn points_tangent(before: vec3f, after: vec3f) -> vec3f {
     let lengths = vec2f(length(before), length(after));
     let parts = lengths / max(lengths.yx, vec2f(1e-30));
     var sum = before / max(parts.x, 1e-30) + after / max(parts.y, 1e-30);
@@ -42,8 +40,14 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
     let strand = attributes[index].strand;
     let position = points_relative(index);
     let colour = strand_colours[strand & POINT_STRAND];
+    let starts = (strand & POINT_FIRST) != 0u;
+    let ends = (strand & POINT_LAST) != 0u;
+    let before = points_relative(select(index - 1u, index, starts));
+    let after = points_relative(select(index + 1u, index, ends));
+    let radius = points[index].radius * drawing.radius_scale;
+    shadow_fibre = ShadowFibre(before, after, radius, drawing.opacity, starts, ends);
     var fibre: Fibre;
-    fibre.tangent = points_tangent(index, strand);
+    fibre.tangent = points_tangent(position - before, after - position);
     fibre.colour = vec3f(unpack2x16float(colour.x), unpack2x16float(colour.y).x);
     fibre.coordinate = attributes[index].coordinate;
     fibre.strand = strand & POINT_STRAND;
@@ -53,17 +57,14 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
     var radiance = vec3f(0.0);
     if any(frame.ambient > vec3f(0.0)) { radiance = frame.ambient * scatter_uniform(fibre, wo); }
     for (var light = 0u; light < frame.light_count; light++) {
-        let place = frame.lights[light].place;
-        let to_light = place.xyz - position * place.w;
-        let distance = max(length(to_light), 1e-20);
-        let falloff = select(1.0, 1.0 / (distance * distance), place.w > 0.0);
-        let wi = to_light / distance;
+        let reach = light_reach(light, position);
+        let wi = reach.wi;
         // Along a strand that leans towards the light its own depth changes within the filter: the look-up moves
         // towards the light by twice the bias times the slope.
         let lean = abs(dot(fibre.tangent, wi));
         let slope = lean / max(sqrt(max(1.0 - lean * lean, 0.0)), 0.125);
         let visible = shadow(position + wi * (2.0 * slope * frame.lights[light].bias), light);
-        radiance += frame.lights[light].power * falloff * scatter(fibre, wi, wo, visible);
+        radiance += reach.irradiance * scatter(fibre, wi, wo, visible);
     }
     // The largest 16-bit float; also what becomes of an infinity.
     radiance = min(max(radiance, vec3f(0.0)), vec3f(65504.0));

@@ -6,11 +6,14 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let extent = frame.shadow_views[map].values.x;
     let k = u32(frame.shadow_views[map].values.y);
     let coloured = frame.shadow_views[map].colour.w > 0.0;
-    if !(depth > 0.0) { return ShadowTexel(vec3f(1.0), 0.0); }
-    let key = volume_depth(depth, extent);
+    // Without the point's own fibre, whose event is as deep as it is in this texel.
+    let own = shadow_own(place);
+    let before = select(depth, min(depth, own.depth - shadow_fibre.radius), own.optical_depth > 0.0);
+    if !(before > 0.0) { return ShadowTexel(vec3f(1.0), 0.0); }
+    let key = volume_depth(before, extent);
 
     // How many events lie before the depth: all of them behind the hair.
-    let behind = depth > extent;
+    let behind = before > extent;
     var low = 0u;
     var high = k;
     for (var i = 0u; i < 7u && low < high; i++) {

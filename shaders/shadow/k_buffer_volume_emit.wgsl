@@ -1,13 +1,5 @@
 // K-buffer volumetric shadow, as the rasterisers fill it.
 
-@group(2) @binding(0) var<storage, read_write> shadow_maps: array<atomic<u32>>;
-
-const EMIT_COMPARES: bool = false;
-
-// Read once an invocation: some drivers would read a uniform anew at every texel.
-var<private> map_width: u32;
-var<private> map_layers: u32;
-var<private> map_words: u32;
 var<private> map_extent: f32;
 var<private> map_k: u32;
 var<private> map_tail: bool;
@@ -16,9 +8,7 @@ var<private> map_point_base: u32;
 var<private> map_texel: f32;
 
 fn emit_begin() -> bool {
-    map_width = u32(segment_viewport().x);
-    map_layers = drawing.layer_base;
-    map_words = drawing.layer_count;
+    map_begin();
     map_extent = drawing.map_values.x;
     map_k = u32(drawing.map_values.y);
     map_tail = drawing.map_values.z > 0.0;
@@ -28,8 +18,6 @@ fn emit_begin() -> bool {
     return true;
 }
 
-fn emit_end() {}
-
 // The angle between the light and the normal plane of a fragment's segment.
 fn volume_inclination(point: u32) -> f32 {
     let index = point - map_point_base;
@@ -38,7 +26,7 @@ fn volume_inclination(point: u32) -> f32 {
 }
 
 fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
-    let texel = map_layers + (pixel.y * map_width + pixel.x) * map_words;
+    let texel = map_layers + (pixel.y * map_width + pixel.x) * map_layer_count;
     let depth = volume_depth(fragment.depth, map_extent);
     var inclination = 0.0;
     if map_coloured { inclination = volume_inclination(fragment.point); }

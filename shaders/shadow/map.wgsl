@@ -41,7 +41,9 @@ fn shadow_filtered(position: vec3f, light: u32, width: i32) -> ShadowSample {
     let resolution = i32(frame.lights[light].resolution);
     let clip = frame.shadow_views[map].clip_from_relative * vec4f(position, 1.0);
     let place = vec2f(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w) * f32(resolution);
-    let depth = dot(frame.shadow_views[map].depth_row, vec4f(position, 1.0)) - frame.lights[light].bias;
+    let exact = dot(frame.shadow_views[map].depth_row, vec4f(position, 1.0));
+    let depth = exact - frame.lights[light].bias;
+    shadow_own_begin(position, clip, exact, map, light);
 
     // The box reaches over pcf + 1 texels a side; the rims weigh by the part of them inside.
     let corner = place - 0.5 * f32(width);

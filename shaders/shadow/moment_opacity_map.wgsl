@@ -10,18 +10,22 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let texel = frame.shadow_views[map].layer_base + (place.y * frame.lights[light].resolution + place.x) * words;
     let carries = shadow_maps[texel + words - 1u];
     let total = moment_sum(texel, 0u, carries);
-    let x = 2.0 * depth / frame.shadow_views[map].values.x - 1.0;
+    // The point's own fibre lies at x, and is taken off the mass there.
+    let own = shadow_own(place);
+    let before = select(depth, min(depth, own.depth), own.optical_depth > 0.0);
+    let own_mass = select(0.0, min(own.optical_depth, MOMENT_OPAQUE), own.depth <= depth);
+    let x = 2.0 * before / frame.shadow_views[map].values.x - 1.0;
     if total == 0.0 || !(x > -1.0) { return ShadowTexel(vec3f(1.0), 0.0); }
     if (carries & MOMENT_OVERFLOWED) != 0u {
         return shadow_passed(MOMENT_OVERFLOW_DEPTH * 0.5 * (min(x, 1.0) + 1.0), map);
     }
     // Behind all hair nothing is left to guess.
-    if x >= 1.0 { return shadow_passed(total / MOMENT_SCALE, map); }
+    if x >= 1.0 { return shadow_passed(max(total / MOMENT_SCALE - own_mass, 0.0), map); }
     let six = words == 8u;
     let kept = 1.0 - min(MOMENT_BIAS + MOMENT_BIAS_STEPS / total, 1.0);
     var b: array<f32, 6>;
     for (var k = 1u; k + 1u < words; k++) {
         b[k - 1u] = kept * (2.0 * moment_sum(texel, k, carries) / total - 1.0);
     }
-    return shadow_passed(total / MOMENT_SCALE * clamp(moment_before(b, x, six), 0.0, 1.0), map);
+    return shadow_passed(total / MOMENT_SCALE * clamp(moment_before(b, x, own_mass * MOMENT_SCALE / total, six), 0.0, 1.0), map);
 }

@@ -86,8 +86,8 @@ fn moment_mass_before(f: MomentFactors, x: f32, s: f32) -> f32 {
     return moment_mass(f, x - 1.0 / s);
 }
 
-// The part of the whole mass that lies before x, from b_1 … b_m over b_0.
-fn moment_before(b: array<f32, 6>, x: f32, six: bool) -> f32 {
+// The part of the whole mass that lies before x, from b_1 … b_m over b_0. `own` is a mass at x that does not count.
+fn moment_before(b: array<f32, 6>, x: f32, own: f32, six: bool) -> f32 {
     let f = moment_factors(b, six);
     let p = moment_orthogonal(f, x);
     // K(x, ·) = Σ k_j T_j, and its Taylor polynomial at x.
@@ -102,7 +102,7 @@ fn moment_before(b: array<f32, 6>, x: f32, six: bool) -> f32 {
     // at infinity becomes s = 0.
     let a = -f1 / f0;
     let c = f2 / f0;
-    var sum = MOMENT_PART / f0;
+    var sum = MOMENT_PART * max(1.0 / f0 - own, 0.0);
     if !six {
         let root = sqrt(max(0.25 * a * a - c, 0.0));
         sum += moment_mass_before(f, x, root - 0.5 * a) + moment_mass_before(f, x, -root - 0.5 * a);

@@ -159,8 +159,9 @@ impl Shading {
 
 /// The module that shades points.
 pub(crate) fn points_module(shadow: &Shadow, files: &[&'static str]) -> Module {
-    Module::new(shadow.look_up())
-        .and(&["shading/fibre_type", "shading/points"])
+    shadow
+        .module()
+        .and(&["common/light", "shading/fibre_type", "shading/points"])
         .and(files)
 }
 

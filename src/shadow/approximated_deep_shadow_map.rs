@@ -18,6 +18,7 @@ use super::{Shape, Sight};
 pub(crate) const LOOK_UP: &[&str] = &[
     "shadow/map",
     "shadow/front",
+    "shadow/nearest",
     "shadow/approximated_deep_shadow_map",
 ];
 
@@ -108,9 +109,14 @@ impl ApproximatedDeepShadowMap {
             pcf: self.pcf,
             front_shift: Some(0),
             layers: 0,
-            values: [per_unit as f32, optical_depth as f32, 0.0, 0.0],
+            values: [
+                per_unit as f32,
+                optical_depth as f32,
+                sight.bias(self.resolution, 1) as f32,
+                0.0,
+            ],
             colour: [0.0; 4],
-            bias: sight.bias(self.resolution, self.pcf),
+            bias: 0.0,
             raster: self.raster,
         }
     }

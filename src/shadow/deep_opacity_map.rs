@@ -85,8 +85,8 @@ impl Default for DeepOpacityMap {
         Self {
             resolution: 512,
             layers: 8,
-            pcf: 3,
-            depth: 0.5,
+            pcf: 1,
+            depth: 1.0,
             transmitted: Vec3::ZERO,
             raster: Raster::Auto,
         }
@@ -120,7 +120,7 @@ impl DeepOpacityMap {
             layers: self.layers,
             values: [extent as f32, 0.0, 0.0, 0.0],
             colour: super::summed_colour(self.transmitted),
-            bias: sight.bias(self.resolution, self.pcf),
+            bias: 0.0,
             raster: self.raster,
         }
     }

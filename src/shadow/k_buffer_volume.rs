@@ -38,6 +38,7 @@ const EVENTS: Emission = Emission {
     label: "pelage.shadow.k_buffer_volume.events",
     stage: 0,
     files: &[
+        "shadow/map_emit",
         "shadow/k_buffer_volume_common",
         "shadow/k_buffer_volume_emit",
     ],
@@ -131,7 +132,7 @@ impl KBufferVolume {
             layers: self.k + TAIL_WORDS + colours,
             values: [sight.extent as f32, self.k as f32, tail, texel as f32],
             colour,
-            bias: sight.bias(self.resolution, self.pcf),
+            bias: 0.0,
             raster: self.raster,
         }
     }

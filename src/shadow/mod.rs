@@ -26,6 +26,7 @@ use crate::light::LightCameras;
 use crate::plan::{Plan, PlannedMap};
 use crate::raster::{self, Emission, Raster};
 use crate::resources::Bound;
+use crate::shader::Module;
 
 /// A shadow technique with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,6 +110,11 @@ impl Shadow {
         }
     }
 
+    /// The look-up with what finds a point's own fibre, which it is not to be shadowed by.
+    pub(crate) fn module(&self) -> Module {
+        Module::new(self.look_up()).and(&["common/coverage", "shadow/own"])
+    }
+
     /// What tells a pipeline with one technique's look-up from another's.
     pub(crate) fn variant(&self) -> u32 {
         match self {
@@ -141,9 +147,8 @@ impl Shadow {
 /// The fibres of all hairs of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Fibres {
-    /// Mean of their own opacities, by area, and the largest of them.
+    /// Mean of their own opacities, by area.
     pub opacity: f64,
-    pub most_opaque: f64,
     /// Mean over their length, and length × diameter over the volume that they fill, in host units: 0 where no technique
     /// asks for them.
     pub diameter: f64,

@@ -40,6 +40,7 @@ const MOMENTS: Emission = Emission {
     label: "pelage.shadow.moment_opacity_map",
     stage: 0,
     files: &[
+        "shadow/map_emit",
         "shadow/moment_opacity_map_common",
         "shadow/moment_opacity_map_emit",
     ],
@@ -97,7 +98,7 @@ impl MomentOpacityMap {
             layers: self.moments + 2,
             values: [sight.extent as f32, 0.0, 0.0, 0.0],
             colour: super::summed_colour(self.transmitted),
-            bias: sight.bias(self.resolution, self.pcf),
+            bias: 0.0,
             raster: self.raster,
         }
     }

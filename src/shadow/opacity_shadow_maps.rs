@@ -38,9 +38,6 @@ pub(crate) const SLABS: Emission = Emission {
     downscale: 1,
 };
 
-/// The optical depth of an opaque fibre.
-const OPAQUE: f64 = 16.0;
-
 /// Settings of opacity shadow maps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpacityShadowMaps {
@@ -88,17 +85,14 @@ impl OpacityShadowMaps {
     }
 
     pub(super) fn shape(&self, sight: &Sight) -> Shape {
-        let texel = sight.width / f64::from(self.resolution);
-        let covered = (2.0 * sight.radius / texel).min(1.0);
-        let one_fibre = (-(1.0 - sight.fibres.most_opaque * covered).ln()).min(OPAQUE);
         Shape {
             resolution: self.resolution,
             pcf: self.pcf,
             front_shift: None,
             layers: self.layers,
-            values: [sight.extent as f32, self.unevenness, one_fibre as f32, 0.0],
+            values: [sight.extent as f32, self.unevenness, 0.0, 0.0],
             colour: [0.0; 4],
-            bias: sight.bias(self.resolution, self.pcf),
+            bias: 0.0,
             raster: self.raster,
         }
     }

@@ -13,7 +13,12 @@ use crate::resources::Bound;
 use super::{Shape, Sight};
 
 /// The files of the look-up.
-pub(crate) const LOOK_UP: &[&str] = &["shadow/map", "shadow/front", "shadow/shadow_map"];
+pub(crate) const LOOK_UP: &[&str] = &[
+    "shadow/map",
+    "shadow/front",
+    "shadow/nearest",
+    "shadow/shadow_map",
+];
 
 /// The files that fill maps of nearest depths.
 pub(super) const NEAREST: &[&str] = &["shadow/front", "shadow/map_emit", "shadow/nearest_emit"];
@@ -76,9 +81,14 @@ impl ShadowMap {
             pcf: self.pcf,
             front_shift: Some(0),
             layers: 0,
-            values: [passes, optical_depth as f32, 0.0, 0.0],
+            values: [
+                passes,
+                optical_depth as f32,
+                sight.bias(self.resolution, 1) as f32,
+                0.0,
+            ],
             colour: [0.0; 4],
-            bias: sight.bias(self.resolution, self.pcf),
+            bias: 0.0,
             raster: self.raster,
         }
     }

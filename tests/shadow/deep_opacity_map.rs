@@ -41,14 +41,14 @@ fn the_error_falls_or_stays_with_the_number_of_layers() {
             view: portrait(size),
             transparency: OPAQUE,
         };
-        // The hair's extent is about 0.55 m: 3 of 512 texels are 3.2 mm wide; the disc of the same area.
+        // The hair's extent is about 0.55 m: one of 512 texels is 1.1 mm wide; the disc of the same area.
         let expected = exact(
             &frame,
             size,
             Towards::Directional {
                 towards: -direction,
             },
-            0.0032 / std::f64::consts::PI.sqrt(),
+            0.0011 / std::f64::consts::PI.sqrt(),
         );
         let lit = draw(&mut device, &hairs, &lights, size, frame.view);
         let unshadowed = colour_error(&lit, &expected, None);

@@ -7,13 +7,14 @@ use pelage::{Frame, Hair, Raster};
 use pelage_reference::composite::Image;
 use pelage_reference::error::colour_error;
 use pelage_reference::k_buffer_volume::{Event, Optics, transmittance, transmitted};
+use pelage_reference::shadow_maps::Occluder;
 use pelage_reference::transmittance::Light as Towards;
 
 use crate::common::images::{Tolerance, assert_close};
 use crate::common::scenes::{WHITE, portrait};
 use crate::common::{Device, device};
 
-use super::support::{OPAQUE, directional, draw, exact, image_of, light, modelled};
+use super::support::{OPAQUE, Seen, directional, draw, exact, image_of, light, modelled};
 
 const DIRECTION: DVec3 = DVec3::new(-0.4, -0.8, -0.5);
 
@@ -22,6 +23,18 @@ fn hair(device: &mut Device, groom: BuiltinGroom, strands: usize, opacity: f32) 
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     (hair.shading, hair.opacity) = (WHITE, opacity);
     hair
+}
+
+/// The events of a texel, and the depth before which they shadow a point: within a radius of its own fibre there is none.
+fn events(seen: &Seen, opacity: f64, inclination: f64, radius: f64) -> (Vec<Event>, f64) {
+    let event = |o: &Occluder| Event {
+        depth: o.depth,
+        opacity: opacity * o.coverage,
+        inclination,
+    };
+    let own = seen.own.map(|own| seen.occluders[own].depth - radius);
+    let depth = own.map_or(seen.depth, |own| own.min(seen.depth));
+    (seen.occluders.iter().map(event).collect(), depth)
 }
 
 /// 20 bits of depth, 12 of opacity and of transmittance, and 16-bit floats: 8e-4 and 6e-4 were measured. A depth that falls on
@@ -62,19 +75,10 @@ fn it_is_what_its_model_says() {
             transparency: OPAQUE,
         };
         let opacity = f64::from(hair.opacity);
-        let passed = modelled(&frame, 256, pcf, |_| {
-            Box::new(move |occluders, depth| {
-                let events: Vec<Event> = occluders
-                    .iter()
-                    .map(|o| Event {
-                        depth: o.depth,
-                        // What is not wholly opaque; as the sums of optical depths bound it.
-                        opacity: opacity * o.coverage,
-                        inclination: 0.0,
-                    })
-                    .collect();
-                transmittance(&events, k as usize, tail, None, depth)
-            })
+        let radius = f64::from(hair.strands().radii()[0]);
+        let passed = modelled(&frame, 256, pcf, |_, seen| {
+            let (events, depth) = events(&seen, opacity, 0.0, radius);
+            transmittance(&events, k as usize, tail, None, depth)
         });
         let expected = image_of(&frame, size, &passed);
         let actual = draw(&mut device, &[&hair], &lights, size, frame.view);
@@ -236,18 +240,9 @@ fn coloured_light_is_what_the_model_says() {
                 eta: 1.55,
                 sigma_a: f64::from(sigma_a[channel]),
             };
-            let passed = modelled(&frame, 256, 3, |_| {
-                Box::new(move |occluders, depth| {
-                    let events: Vec<Event> = occluders
-                        .iter()
-                        .map(|o| Event {
-                            depth: o.depth,
-                            opacity: opacity * o.coverage,
-                            inclination,
-                        })
-                        .collect();
-                    transmittance(&events, k as usize, tail, Some(&optics), depth)
-                })
+            let passed = modelled(&frame, 256, 3, |_, seen| {
+                let (events, depth) = events(&seen, opacity, inclination, 0.05);
+                transmittance(&events, k as usize, tail, Some(&optics), depth)
             });
             let expected = image_of(&frame, size, &passed);
             let mut of_channel = expected.clone();

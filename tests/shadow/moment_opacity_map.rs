@@ -10,6 +10,7 @@ use pelage_reference::opacity_models::{
     fourier, fourier_optical_depth, layers, layers_optical_depth, moments, moments_optical_depth,
 };
 use pelage_reference::scene::{Camera, look_at};
+use pelage_reference::shadow_maps::Occluder;
 use pelage_reference::transmittance::Light as Towards;
 
 use crate::common::images::{Tolerance, assert_close};
@@ -28,16 +29,17 @@ fn bias(total: f64) -> f64 {
     (1e-5 + 32.0 / (total * SCALE)).min(1.0)
 }
 
-/// Ω before x by the technique's model; moments of no measure say that all lies there.
-fn model(steps: &[(f64, f64)], m: usize, x: f64) -> f64 {
+/// Ω before x by the technique's model, without what of it is the point's own at x; moments of no measure say that all lies
+/// before.
+fn model(steps: &[(f64, f64)], m: usize, x: f64, own: f64) -> f64 {
     let sums = moments(steps, m);
     if x <= -1.0 {
         return 0.0;
     }
     if x >= 1.0 {
-        return sums[0];
+        return (sums[0] - own).max(0.0);
     }
-    moments_optical_depth(&sums, x, bias(sums[0]), PART).unwrap_or(sums[0])
+    moments_optical_depth(&sums, x, own, bias(sums[0]), PART).unwrap_or(sums[0])
 }
 
 /// What crosses a texel: places in [-1, 1] and optical depths, nearest first.
@@ -99,7 +101,7 @@ fn moments_err_less_per_byte_than_fourier_series_and_layers() {
         for opacity in [0.3, 1.0] {
             let texels = texels(&mut device, groom, opacity);
             for m in [4, 6] {
-                let of_moments = error(&texels, |texel, x| model(texel, m, x));
+                let of_moments = error(&texels, |texel, x| model(texel, m, x, 0.0));
                 let [ringing, damped] = [false, true].map(|damped| {
                     error(&texels, |texel, x| {
                         fourier_optical_depth(&fourier(texel, m / 2), x, damped)
@@ -134,7 +136,7 @@ fn a_fourier_series_lets_light_rise_again_and_moments_do_not() {
     assert!(rise(&|x| fourier_optical_depth(&coefficients, x, false)) > 1e-3);
     assert!(rise(&|x| fourier_optical_depth(&coefficients, x, true)) < 1e-12);
     for m in [4, 6] {
-        assert!(rise(&|x| model(&texel, m, x)) < 1e-9);
+        assert!(rise(&|x| model(&texel, m, x, 0.0)) < 1e-9);
     }
 }
 
@@ -150,7 +152,7 @@ fn before_on_device(device: &Device, m: usize, cases: &[(Texel, f64)]) -> Vec<f6
             if i >= arrayLength(&values) { return; }
             var b: array<f32, 6>;
             for (var k = 0u; k < 6u; k++) { b[k] = cases[8u * i + k]; }
-            values[i] = moment_before(b, cases[8u * i + 6u], cases[8u * i + 7u] > 0.0);
+            values[i] = moment_before(b, cases[8u * i + 6u], 0.0, cases[8u * i + 7u] > 0.0);
         }";
     let input: Vec<f32> = cases
         .iter()
@@ -235,7 +237,7 @@ fn the_mass_before_a_place_is_the_models_and_never_falls() {
         let (mut sum, mut most, mut fall) = (0.0, (0.0, 0), 0.0f64);
         for (i, ((texel, x), value)) in cases.iter().zip(&values).enumerate() {
             let total: f64 = texel.iter().map(|step| step.1).sum();
-            let expected = model(texel, m, *x) / total;
+            let expected = model(texel, m, *x, 0.0) / total;
             assert!(
                 value.is_finite() && *value > -1e-3 && *value < 1.001,
                 "{value} at {x} of {texel:?}"
@@ -301,22 +303,21 @@ fn it_is_what_its_model_says() {
             transparency: OPAQUE,
         };
         let opacity = f64::from(hair.opacity);
-        let passed = modelled(&frame, 256, pcf, |map| {
-            let extent = map.extent;
-            Box::new(move |occluders, depth| {
-                let steps: Texel = occluders
-                    .iter()
-                    .map(|o| {
-                        let mass = -(1.0 - opacity * o.coverage).ln();
-                        (
-                            (2.0 * o.depth / extent - 1.0).clamp(-1.0, 1.0),
-                            mass.min(MOST),
-                        )
-                    })
-                    .collect();
-                let before = model(&steps, moments as usize, 2.0 * depth / extent - 1.0);
-                (-before * (1.0 - f64::from(transmitted))).exp()
-            })
+        let passed = modelled(&frame, 256, pcf, |map, seen| {
+            let step = |o: &Occluder| {
+                let mass = -(1.0 - opacity * o.coverage).ln();
+                let x = 2.0 * o.depth / map.extent - 1.0;
+                (x.clamp(-1.0, 1.0), mass.min(MOST))
+            };
+            let steps: Texel = seen.occluders.iter().map(step).collect();
+            let own = seen.own.map(|own| &seen.occluders[own]);
+            let depth = own.map_or(seen.depth, |own| own.depth.min(seen.depth));
+            let mass = own
+                .filter(|own| own.depth <= seen.depth)
+                .map_or(0.0, |own| step(own).1);
+            let x = 2.0 * depth / map.extent - 1.0;
+            let before = model(&steps, moments as usize, x, mass);
+            (-before * (1.0 - f64::from(transmitted))).exp()
         });
         // Red alone is coloured.
         let mut expected = image_of(&frame, size, &passed);

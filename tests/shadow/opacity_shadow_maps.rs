@@ -52,17 +52,18 @@ fn they_are_what_their_model_says() {
             view: portrait(size),
             transparency: OPAQUE,
         };
-        let passed = modelled(&frame, 96, pcf, |map| {
+        let passed = modelled(&frame, 96, pcf, |map, seen| {
             let plane = |i: u32| {
                 let x = f64::from(i) / f64::from(layers);
                 let u = f64::from(unevenness);
                 map.extent * ((1.0 - u) * x + u * x * x)
             };
             let planes: Vec<f64> = (0..=layers).map(plane).collect();
-            let own = f64::from(map.values[2]);
-            Box::new(move |occluders, depth| {
-                opacity_shadow_maps(occluders, depth, 0.7, &planes, own)
-            })
+            let mut others = seen.occluders.to_vec();
+            if let Some(own) = seen.own {
+                others.remove(own);
+            }
+            opacity_shadow_maps(&others, seen.depth, 0.7, &planes)
         });
         let expected = image_of(&frame, size, &passed);
         let actual = draw(&mut device, &[&hair], &lights, size, frame.view);

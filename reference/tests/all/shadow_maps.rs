@@ -4,11 +4,13 @@ use pelage_reference::fragments::fragment_lists;
 use pelage_reference::glam::{DVec3, DVec4};
 use pelage_reference::scene::{Camera, Strands, look_at};
 use pelage_reference::shadow_maps::{
-    LightMap, Occluder, approximated_deep_shadow_map, opacity_shadow_maps, shadow_map,
+    LightMap, Occluder, approximated_deep_shadow_map, nearest_depth, opacity_shadow_maps,
+    shadow_map,
 };
 
 fn occluder(depth: f64, coverage: f64, at_centre: bool) -> Occluder {
     Occluder {
+        segment: 0,
         depth,
         coverage,
         at_centre,
@@ -24,6 +26,13 @@ fn a_shadow_map_decides_by_the_nearest_fibre_at_the_centre() {
 }
 
 #[test]
+fn a_point_s_own_fibre_stands_for_it_where_it_crosses_the_texel() {
+    assert_eq!(nearest_depth(2.0, None, 0.5), 2.0);
+    assert_eq!(nearest_depth(2.0, Some(3.0), 0.5), 1.5);
+    assert_eq!(nearest_depth(2.0, Some(1.0), 0.5), 0.5);
+}
+
+#[test]
 fn an_approximated_deep_shadow_map_counts_the_nearest_fibre_and_one_every_spacing() {
     let occluders = [occluder(1.0, 0.2, false)];
     let passed = |depth| approximated_deep_shadow_map(&occluders, depth, 0.5, 0.25);
@@ -36,15 +45,13 @@ fn an_approximated_deep_shadow_map_counts_the_nearest_fibre_and_one_every_spacin
 fn opacity_shadow_maps_know_the_exact_product_at_planes_and_a_mean_between() {
     let occluders = [occluder(0.5, 0.5, true), occluder(1.5, 1.0, true)];
     let planes = [0.0, 1.0, 2.0];
-    let passed = |depth, own| opacity_shadow_maps(&occluders, depth, 0.8, &planes, own);
-    assert_eq!(passed(0.0, 0.0), 1.0);
-    assert!((passed(1.0, 0.0) - 0.6).abs() < 1e-12);
-    assert!((passed(2.0, 0.0) - 0.6 * 0.2).abs() < 1e-12);
-    assert!((passed(1.5, 0.0) - 0.6 * 0.2f64.sqrt()).abs() < 1e-12);
-    assert!((passed(9.0, 0.0) - 0.6 * 0.2).abs() < 1e-12);
-    // A fibre that is alone in its slab does not shadow itself, and no more than all of a slab is taken off.
-    assert!((passed(0.9, -(0.6f64.ln())) - 1.0).abs() < 1e-12);
-    assert!((passed(2.0, 16.0) - 0.6).abs() < 1e-12);
+    let passed = |depth| opacity_shadow_maps(&occluders, depth, 0.8, &planes);
+    assert_eq!(passed(0.0), 1.0);
+    assert!((passed(1.0) - 0.6).abs() < 1e-12);
+    assert!((passed(2.0) - 0.6 * 0.2).abs() < 1e-12);
+    // The second fibre covers all: half of its optical depth of ln 5 at half of its slab.
+    assert!((passed(1.5) - 0.6 * 0.2f64.sqrt()).abs() < 1e-12);
+    assert!((passed(9.0) - 0.6 * 0.2).abs() < 1e-12);
 }
 
 /// Two crossed fibres, one across a map of 8×8 texels of size 1, seen from +z.
