@@ -7,6 +7,8 @@ use bytemuck::{Pod, Zeroable};
 pub const MAX_LIGHTS: usize = 16;
 /// The most maps that all lights of one frame take; a point light inside the hair takes six.
 pub const MAX_SHADOW_VIEWS: usize = 32;
+/// The most shadow maps of the host's that one frame takes.
+pub const MAX_OCCLUDERS: usize = 8;
 /// The distance of uniform blocks, which every device takes.
 pub const UNIFORM_STRIDE: u64 = 256;
 
@@ -14,6 +16,7 @@ pub const DRAWING_DEPTH_OVER_W: u32 = 1;
 pub const DRAWING_REVERSE_Z: u32 = 2;
 pub const DRAWING_HOST_DEPTH: u32 = 4;
 pub const FRAME_REVERSE_Z: u32 = 1;
+pub const OCCLUDER_REVERSE_Z: u32 = 1;
 pub const POINT_FIRST: u32 = 0x8000_0000;
 pub const POINT_LAST: u32 = 0x4000_0000;
 pub const POINT_STRAND: u32 = 0x3fff_ffff;
@@ -88,6 +91,16 @@ pub struct ShadowView {
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Occluder {
+    pub clip_from_relative: [[f32; 4]; 4],
+    pub light: u32,
+    pub pcf: u32,
+    pub bias: f32,
+    pub flags: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Frame {
     pub ambient: [f32; 3],
     pub light_count: u32,
@@ -102,10 +115,15 @@ pub struct Frame {
     pub run_rows: u32,
     pub part_capacity: u32,
     pub origin: [u32; 2],
+    pub cut_depth: f32,
+    pub depth_shift: f32,
+    pub occluder_count: u32,
     pub padding_0: u32,
     pub padding_1: u32,
+    pub padding_2: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
+    pub occluders: [Occluder; MAX_OCCLUDERS],
 }
 
 #[repr(C)]

@@ -4,11 +4,12 @@
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Target};
+use crate::frame::{Frame, ShadowImage, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, workgroups};
-use crate::layout::{self, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
+use crate::layout::{self, MAX_LIGHTS, MAX_OCCLUDERS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE};
 use crate::light::{LightCamera, LightKind, light_cameras};
+use crate::occluder;
 use crate::raster::Rasteriser;
 use crate::shading::Shading;
 use crate::shadow::{Fibres, Shadow, Shape, Sight};
@@ -77,8 +78,14 @@ pub(crate) struct Plan {
     materials: Vec<u32>,
     /// The technique of all lights that have maps; none where no light has any.
     pub shadow: Shadow,
+    /// Whether the host has shadow maps that shadow the hair.
+    pub occluded: bool,
+    /// Whether only the images of the hair's shadow are written.
+    pub shadows_only: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
+    /// Whether the technique cuts off what cannot be seen.
+    pub cuts: bool,
     /// Whether an output asks for a record of each point.
     pub tracked: bool,
     /// The pixel of the target that the view begins at.
@@ -91,11 +98,6 @@ pub(crate) struct Plan {
 /// Fragments that each of the pool's parts holds: what one binding holds.
 pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
     gpu.max_binding() / FRAGMENT_BYTES
-}
-
-/// Pixels of one band at most: what one binding of the overflow's words holds.
-fn band_pixels(gpu: &Gpu) -> u64 {
-    gpu.max_binding() / (4 * layout::OVERFLOW_WORDS)
 }
 
 /// Segments wider than this many pixels in all are shared among invocations: some drivers end loops at 65,535 steps.
@@ -197,6 +199,15 @@ impl Plan {
             .iter()
             .enumerate()
             .try_for_each(|(number, hair)| hair.validate(number))?;
+        occluder::validate(target.occluders, frame.lights.len())?;
+        let lights = frame.lights.len();
+        let unlit = |shadow: &ShadowImage| shadow.light >= lights;
+        if let Some(number) = target.shadow_images.iter().position(unlit) {
+            return invalid!(
+                "shadow image {number}: light {} of a frame of {lights} lights",
+                target.shadow_images[number].light
+            );
+        }
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
         let shading = one_shading(frame)?;
@@ -254,8 +265,11 @@ impl Plan {
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
             shadow: Shadow::None,
+            occluded: !target.occluders.is_empty(),
+            shadows_only: target.shadows_only,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
+            cuts: matches!(transparency, Transparency::DbkBuffer(_)),
             tracked: target.outputs.wanted().1,
             origin: [left, top],
             parts: 1,
@@ -277,10 +291,15 @@ impl Plan {
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
                 origin: [left, top],
+                cut_depth: transparency.cut_depth(),
+                depth_shift: transparency.depth_shift(),
+                occluder_count: target.occluders.len() as u32,
                 padding_0: 0,
                 padding_1: 0,
+                padding_2: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
+                occluders: occluders(target, origin),
             },
             runs,
         };
@@ -502,8 +521,8 @@ impl Plan {
         target: &Target,
         gpu: &Gpu,
     ) {
-        let rows =
-            (band_pixels(gpu) / u64::from(self.width)).clamp(1, u64::from(self.height)) as u32;
+        let rows = (self.transparency.most_pixels(gpu.max_binding()) / u64::from(self.width))
+            .clamp(1, u64::from(self.height)) as u32;
         let mut flags = layout::DRAWING_DEPTH_OVER_W;
         flags |= if frame.view.reverse_z {
             layout::DRAWING_REVERSE_Z
@@ -592,6 +611,15 @@ fn choose_shadow(frame: &Frame, light: usize) -> Result<Shadow> {
         frame.hairs.iter().map(|hair| hair.shadow),
         Shadow::stem,
     )
+}
+
+/// The host's shadow maps, with positions relative to an origin.
+fn occluders(target: &Target, origin: DVec3) -> [layout::Occluder; MAX_OCCLUDERS] {
+    let mut uniforms = [bytemuck::Zeroable::zeroed(); MAX_OCCLUDERS];
+    for (uniform, occluder) in uniforms.iter_mut().zip(target.occluders) {
+        *uniform = occluder.uniform(origin);
+    }
+    uniforms
 }
 
 /// The only wish, the default where nobody wishes, or an error.

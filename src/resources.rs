@@ -7,12 +7,12 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, Passes};
-use crate::layout::{Counters, OVERFLOW_WORDS, PointOutput, Projected, SCAN_BLOCK};
+use crate::layout::{Counters, MAX_OCCLUDERS, PointOutput, Projected};
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::tables;
-use crate::transparency::Transparency;
-use crate::transparency::a_buffer::{ABuffer, FRAGMENT_BYTES, NODE_BYTES, Storage};
+use crate::transparency::Fragments;
+use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 
 /// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
 pub(crate) const RING: usize = 8;
@@ -57,6 +57,9 @@ struct Slot {
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
     depth: Option<wgpu::Texture>,
+    /// The host's shadow maps, and what binds them.
+    occluding: Vec<wgpu::Texture>,
+    occluders: Option<wgpu::BindGroup>,
 }
 
 /// One run's bind groups.
@@ -94,6 +97,8 @@ pub(crate) struct Bound<'a> {
     pub tables: Option<&'a wgpu::BindGroup>,
     pub maps_written: &'a wgpu::BindGroup,
     pub maps_read: &'a wgpu::BindGroup,
+    /// Where the host has shadow maps.
+    pub occluders: Option<&'a wgpu::BindGroup>,
     pub pixels_written: &'a wgpu::BindGroup,
     pub pixels: &'a Pixels,
     pub pixels_read: &'a wgpu::BindGroup,
@@ -190,6 +195,14 @@ fn part(allocation: &Allocation, first: u64, count: u64, each: u64) -> wgpu::Bin
     })
 }
 
+/// What a depth texture's depth is bound by.
+fn depth_view(depth: &wgpu::Texture) -> wgpu::TextureView {
+    depth.create_view(&wgpu::TextureViewDescriptor {
+        aspect: wgpu::TextureAspect::DepthOnly,
+        ..Default::default()
+    })
+}
+
 /// Grows a buffer to `size` bytes; the old one is kept where that fails.
 fn grow(
     gpu: &Gpu,
@@ -227,6 +240,8 @@ impl Resources {
                     frame: None,
                     frame_without_depth: None,
                     depth: None,
+                    occluding: Vec::new(),
+                    occluders: None,
                 })
             })
             .collect::<Result<Vec<_>>>()?;
@@ -342,7 +357,7 @@ impl Resources {
                 generation,
             )?;
         }
-        if plan.host_depth {
+        if plan.host_depth || plan.cuts {
             let bytes = u64::from(plan.tile_count()) * 8;
             grow(
                 gpu,
@@ -359,6 +374,9 @@ impl Resources {
             plan.map_words * 4,
             generation,
         )?;
+        if plan.shadows_only {
+            return Ok(());
+        }
         let pixels = plan
             .bands
             .iter()
@@ -366,71 +384,44 @@ impl Resources {
             .max()
             .unwrap_or(0);
         let pool = &mut self.pixels;
-        grow(
-            gpu,
-            &mut pool.fill,
-            "pelage.transparency.fill",
-            pixels * 4,
-            generation,
+        let needs = plan.transparency.needs(pixels);
+        let mut sized =
+            |slot: &mut Allocation, label, bytes| grow(gpu, slot, label, bytes, generation);
+        sized(&mut pool.fill, "pelage.transparency.fill", needs.fill)?;
+        sized(&mut pool.links, "pelage.transparency.links", needs.links)?;
+        sized(
+            &mut pool.overflow,
+            "pelage.transparency.overflow",
+            needs.overflow,
         )?;
-        match plan.transparency {
-            Transparency::Opaque(_) => {
-                grow(
-                    gpu,
-                    &mut pool.links,
-                    "pelage.transparency.links",
-                    pixels * 4,
-                    generation,
-                )?;
-                grow(
-                    gpu,
-                    &mut pool.fragments[0],
-                    "pelage.transparency.fragments",
-                    pixels * 4,
-                    generation,
-                )
-            }
-            Transparency::ABuffer(settings) => {
-                let words = pixels * 4 * OVERFLOW_WORDS;
-                grow(
-                    gpu,
-                    &mut pool.overflow,
-                    "pelage.transparency.overflow",
-                    words,
-                    generation,
-                )?;
-                if settings.storage == Storage::Counted {
-                    let scan = pixels + 1 + pixels.div_ceil(u64::from(SCAN_BLOCK));
-                    grow(
-                        gpu,
-                        &mut pool.links,
-                        "pelage.transparency.links",
-                        scan * 4,
-                        generation,
-                    )?;
-                }
-                self.grow_fragments(gpu, plan, &settings)
-            }
+        match needs.fragments {
+            Fragments::Fixed(bytes) => sized(
+                &mut pool.fragments[0],
+                "pelage.transparency.fragments",
+                bytes,
+            ),
+            Fragments::Pool { linked, bytes } => self.grow_fragments(gpu, plan, linked, bytes),
         }
     }
 
     /// Sizes the fragment pool: to what the host says, or to what is expected or was measured, within the budget.
-    fn grow_fragments(&mut self, gpu: &Gpu, plan: &Plan, settings: &ABuffer) -> Result<()> {
-        let each = if settings.storage == Storage::Lists {
-            NODE_BYTES
-        } else {
-            FRAGMENT_BYTES
-        };
+    fn grow_fragments(
+        &mut self,
+        gpu: &Gpu,
+        plan: &Plan,
+        lists: bool,
+        pool_bytes: Option<u64>,
+    ) -> Result<()> {
+        let each = if lists { NODE_BYTES } else { FRAGMENT_BYTES };
         let part = part_capacity(gpu);
         let held = self.fragments_held(part);
-        let lists = settings.storage == Storage::Lists;
         // Lists keep their links in one binding.
         let most = if lists {
             (3 * part).min(gpu.max_binding() / 4)
         } else {
             3 * part
         };
-        let wanted = match settings.pool_bytes {
+        let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
                 let expected = plan.expected_fragments.max(self.needed) as f64 * POOL_MARGIN;
@@ -464,7 +455,7 @@ impl Resources {
             grow(gpu, links, label, wanted * 4, &mut self.generation)?;
         }
         let held = self.fragments_held(part).min(most);
-        self.capacity = if settings.pool_bytes.is_some() {
+        self.capacity = if pool_bytes.is_some() {
             wanted.min(held)
         } else {
             held
@@ -654,10 +645,7 @@ impl Resources {
         gpu.queue.write_buffer(&uniforms.buffer, 0, &plan.uniforms);
         if stale || slot.frame.is_none() || slot.depth.as_ref() != target.depth {
             let bind = |depth: &wgpu::Texture| {
-                let view = depth.create_view(&wgpu::TextureViewDescriptor {
-                    aspect: wgpu::TextureAspect::DepthOnly,
-                    ..Default::default()
-                });
+                let view = depth_view(depth);
                 let block = |size: usize| {
                     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &uniforms.buffer,
@@ -680,16 +668,31 @@ impl Resources {
             slot.frame_without_depth = Some(bind(&self.no_depth));
             slot.depth = target.depth.cloned();
         }
+        let given = target.occluders.iter().map(|occluder| occluder.depth);
+        if !slot.occluding.iter().eq(given.clone()) {
+            slot.occluding = given.cloned().collect();
+            slot.occluders = (!slot.occluding.is_empty()).then(|| {
+                let maps = slot.occluding.iter();
+                let views: Vec<_> = maps
+                    .chain(std::iter::repeat(&self.no_depth))
+                    .take(MAX_OCCLUDERS)
+                    .map(depth_view)
+                    .collect();
+                let views: Vec<_> = views
+                    .iter()
+                    .map(wgpu::BindingResource::TextureView)
+                    .collect();
+                gpu.bind("pelage.occluders", Group::Occluders, &views)
+            });
+        }
         slot.bands = plan.bands.len() as u64;
-        slot.lists = matches!(
-            plan.transparency,
-            Transparency::ABuffer(ABuffer {
-                storage: Storage::Lists,
-                ..
-            })
-        );
+        slot.lists = plan.transparency.needs(0).fragments.linked();
         slot.capacity = self.capacity;
-        slot.fills = self.tables.to_fill();
+        slot.fills = if plan.shadows_only {
+            0
+        } else {
+            self.tables.to_fill()
+        };
         Ok(())
     }
 
@@ -708,6 +711,7 @@ impl Resources {
             tables: groups.tables_written.as_ref().filter(|_| slot.fills > 0),
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
+            occluders: slot.occluders.as_ref(),
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             point_outputs: &groups.point_outputs,
@@ -728,6 +732,15 @@ impl Resources {
                 encoder.clear_buffer(&self.maps.buffer, 0, Some(plan.map_words * 4));
             });
         }
+    }
+
+    /// Counters of a frame that draws no hair.
+    pub fn keep_nothing(&self, passes: &mut Passes, bound: &Bound, plan: &Plan) {
+        passes.encode("pelage.counters", |encoder| bound.clear_counters(encoder));
+        for band in &plan.bands {
+            bound.keep_counters(passes, band.number);
+        }
+        self.read_counters(passes);
     }
 
     /// Sends the frame's counters on their way back to the host; they arrive some frames later.

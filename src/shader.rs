@@ -24,6 +24,7 @@ files![
     "common/project",
     "common/scan",
     "common/light",
+    "common/host_position",
     "common/track",
     "raster/walk",
     "raster/ribbons",
@@ -68,6 +69,14 @@ files![
     "transparency/a_buffer",
     "transparency/a_buffer_emit",
     "transparency/a_buffer_overflow",
+    "transparency/a_buffer_store",
+    "transparency/a_buffer_whole",
+    "transparency/dbk_buffer",
+    "transparency/dbk_buffer_beyond",
+    "transparency/dbk_buffer_common",
+    "transparency/dbk_buffer_depths",
+    "transparency/dbk_buffer_drop",
+    "transparency/dbk_buffer_emit",
     "composite",
     "gather",
     "guided",
@@ -75,6 +84,10 @@ files![
     "guided_frames",
     "guided_clumps",
     "receive",
+    "occluder",
+    "occluder_none",
+    "shadow_image",
+    "shadow_image_none",
     "outputs",
     "outputs_none",
 ];
@@ -123,9 +136,10 @@ impl Module {
 
     pub fn join(&self) -> Joined {
         let mut source = format!(
-            "const MAX_LIGHTS: u32 = {}u;\nconst MAX_SHADOW_VIEWS: u32 = {}u;\n",
+            "const MAX_LIGHTS: u32 = {}u;\nconst MAX_SHADOW_VIEWS: u32 = {}u;\nconst MAX_OCCLUDERS: u32 = {}u;\n",
             layout::MAX_LIGHTS,
-            layout::MAX_SHADOW_VIEWS
+            layout::MAX_SHADOW_VIEWS,
+            layout::MAX_OCCLUDERS
         );
         for (name, constant) in &self.constants {
             source += &match constant {

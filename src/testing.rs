@@ -4,6 +4,7 @@
 
 use std::mem::offset_of;
 
+use crate::composite;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
@@ -15,7 +16,7 @@ use crate::shadow::{
     moment_opacity_map, opacity_shadow_maps, shadow_map,
 };
 use crate::transparency::{
-    ABuffer, Opaque, Storage, Transparency, a_buffer, opaque, resolve_module,
+    ABuffer, DbkBuffer, Opaque, Storage, Transparency, a_buffer, dbk_buffer, opaque, resolve_module,
 };
 
 /// A module that the crate can build.
@@ -105,6 +106,7 @@ pub fn combinations() -> Vec<Combination> {
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
+        .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS)
         .chain([
             &shadow_map::DEPTH,
@@ -126,10 +128,16 @@ pub fn combinations() -> Vec<Combination> {
         storage: Storage::Lists,
         ..Default::default()
     });
+    let by_shift = Transparency::DbkBuffer(DbkBuffer {
+        depth_shift: Some(1.0),
+        ..Default::default()
+    });
     for (name, technique) in [
         ("opaque", Transparency::Opaque(Opaque::default())),
         ("counted", counted),
         ("lists", lists),
+        ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
+        ("dbk_buffer by a shift", by_shift),
     ] {
         modules.push((
             format!("composite {name}"),
@@ -152,22 +160,34 @@ pub fn combinations() -> Vec<Combination> {
         "host_tiles".into(),
         Module::new(&["common/pixels", "common/host_tiles"]),
     ));
+    modules.push(("dbk_buffer depths".into(), dbk_buffer::depths_module()));
+    modules.push(("dbk_buffer drop".into(), dbk_buffer::drop_module()));
+    modules.push(("dbk_buffer pixels".into(), dbk_buffer::pixels_module()));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
     }
     for shadow in shadows() {
         for model in models() {
-            let name = format!("points {}, shadow {}", model.stem(), shadow.stem());
-            modules.push((name, points_module(&shadow, model.points().1)));
+            for occluded in [false, true] {
+                let name = format!(
+                    "points {}, shadow {}, occluded {occluded}",
+                    model.stem(),
+                    shadow.stem()
+                );
+                let module = points_module(&shadow, occluded, model.points().1);
+                modules.push((name, module));
+            }
         }
     }
     for shadow in shadows().iter().filter(|shadow| **shadow != Shadow::None) {
         modules.push((
             format!("receive {}", shadow.stem()),
-            shadow
-                .module()
-                .and(&["common/light", "common/fullscreen", "receive"]),
+            shadow.module().and(composite::RECEIVE),
+        ));
+        modules.push((
+            format!("shadow_image {}", shadow.stem()),
+            shadow.module().and(composite::SHADOW_IMAGE),
         ));
     }
     for model in models().iter().filter(|model| model.tables().is_some()) {
@@ -198,6 +218,10 @@ pub fn combinations() -> Vec<Combination> {
     ] {
         modules.push((name.into(), Module::new(files)));
     }
+    modules.push((
+        "shadow_image_none".into(),
+        Module::new(composite::SHADOW_IMAGE_NONE),
+    ));
     modules.push((
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
@@ -264,8 +288,10 @@ pub fn layouts() -> Vec<Layout> {
         }
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values, colour }
         Frame {
-            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, padding_0, padding_1, lights, shadow_views,
+            ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows, part_capacity, origin, cut_depth, depth_shift,
+            occluder_count, padding_0, padding_1, padding_2, lights, shadow_views, occluders,
         }
+        Occluder { clip_from_relative, light, pcf, bias, flags }
         Material { values }
         Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
         Point { position, radius }
@@ -288,6 +314,8 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
     vec![
         ("MAX_LIGHTS", layout::MAX_LIGHTS as u32),
         ("MAX_SHADOW_VIEWS", layout::MAX_SHADOW_VIEWS as u32),
+        ("MAX_OCCLUDERS", layout::MAX_OCCLUDERS as u32),
+        ("OCCLUDER_REVERSE_Z", layout::OCCLUDER_REVERSE_Z),
         ("DRAWING_DEPTH_OVER_W", layout::DRAWING_DEPTH_OVER_W),
         ("DRAWING_REVERSE_Z", layout::DRAWING_REVERSE_Z),
         ("DRAWING_HOST_DEPTH", layout::DRAWING_HOST_DEPTH),

@@ -13,7 +13,7 @@ use pelage::shadow::{
     ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap,
     OpacityShadowMaps, Shadow, ShadowMap,
 };
-use pelage::transparency::{ABuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
 use pelage::{Raster, glam};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -66,8 +66,8 @@ pub const SHADOW: Group = Group {
 pub const TRANSPARENCY: Group = Group {
     name: "transparency",
     selector: "technique",
-    stems: &["opaque", "a_buffer"],
-    default: "a_buffer",
+    stems: &["opaque", "a_buffer", "dbk_buffer"],
+    default: "dbk_buffer",
 };
 /// All groups that select.
 pub const GROUPS: [Group; 3] = [SHADING, SHADOW, TRANSPARENCY];
@@ -496,6 +496,32 @@ impl ABufferKeys {
     }
 }
 
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct DbkBufferKeys {
+    epsilon: f32,
+    depth_shift: Option<f32>,
+    raster: RasterKey,
+    pool_bytes: Option<u64>,
+}
+
+impl Default for DbkBufferKeys {
+    fn default() -> Self {
+        Self::of(&DbkBuffer::default())
+    }
+}
+
+impl DbkBufferKeys {
+    fn of(settings: &DbkBuffer) -> Self {
+        Self {
+            epsilon: settings.epsilon,
+            depth_shift: settings.depth_shift,
+            raster: RasterKey::of(settings.raster),
+            pool_bytes: settings.pool_bytes,
+        }
+    }
+}
+
 impl Group {
     /// The stem that a group's map selects, known to this build.
     pub fn stem(&self, map: &Map<String, Value>) -> Result<&'static str> {
@@ -556,6 +582,7 @@ impl Group {
             "k_buffer_volume" => json!(KBufferVolumeKeys::default()),
             "opaque" => json!(OpaqueKeys::default()),
             "a_buffer" => json!(ABufferKeys::default()),
+            "dbk_buffer" => json!(DbkBufferKeys::default()),
             _ => json!(NoKeys::default()),
         };
         settings
@@ -737,6 +764,15 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
                 pool_bytes: keys.pool_bytes,
             }))
         }
+        "dbk_buffer" => {
+            let keys: DbkBufferKeys = TRANSPARENCY.settings(stem, map)?;
+            Ok(Transparency::DbkBuffer(DbkBuffer {
+                epsilon: keys.epsilon,
+                depth_shift: keys.depth_shift,
+                raster: keys.raster.raster(),
+                pool_bytes: keys.pool_bytes,
+            }))
+        }
         _ => unreachable!("{stem} is listed and not handled"),
     }
 }
@@ -843,6 +879,7 @@ pub fn transparency_settings(transparency: &Transparency) -> Value {
             raster: RasterKey::of(settings.raster)
         }),
         Transparency::ABuffer(settings) => json!(ABufferKeys::of(settings)),
+        Transparency::DbkBuffer(settings) => json!(DbkBufferKeys::of(settings)),
         _ => json!({}),
     };
     with_stem(transparency.stem(), settings)

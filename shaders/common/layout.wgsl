@@ -91,6 +91,20 @@ struct ShadowView {
     colour: vec4f,
 }
 
+// A shadow map of the host's.
+struct Occluder {
+    clip_from_relative: mat4x4f,
+    // The light's number.
+    light: u32,
+    // Width of the filter in texels.
+    pcf: u32,
+    // How far a point is moved towards the light.
+    bias: f32,
+    flags: u32,
+}
+
+const OCCLUDER_REVERSE_Z: u32 = 1u;
+
 struct Frame {
     ambient: vec3f,
     light_count: u32,
@@ -112,10 +126,16 @@ struct Frame {
     part_capacity: u32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
+    // DBK-buffer: optical depth beyond which nothing is stored, and the depth shift in host units where that decides.
+    cut_depth: f32,
+    depth_shift: f32,
+    occluder_count: u32,
     padding_0: u32,
     padding_1: u32,
+    padding_2: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
+    occluders: array<Occluder, MAX_OCCLUDERS>,
 }
 
 const FRAME_REVERSE_Z: u32 = 1u;

@@ -102,10 +102,21 @@ fn project_depth(position: vec3f, clip: vec4f) -> f32 {
 // Segments over more tiles than this are not looked up.
 const PROJECT_TILES: u32 = 64u;
 
-// What is known of the whole segment to the next point: PROJECTED_UNSEEN, PROJECTED_IN_FRONT, or neither.
-fn project_visibility(here: Projected, next: vec3f, next_radius: f32) -> u32 {
+// What is known of the whole segment to the next point: whether it crosses the near plane or lies outside the image, the
+// host's tiles that it may touch, and the range of its depth.
+struct ProjectReach {
+    known: bool,
+    outside: bool,
+    first: vec2u,
+    last: vec2u,
+    nearest: u32,
+    farthest: u32,
+}
+
+fn project_reach(here: Projected, next: vec3f, next_radius: f32) -> ProjectReach {
+    var found = ProjectReach(false, false, vec2u(0u), vec2u(0u), 0u, 0u);
     let clip = project_clip(next);
-    if project_near_distance(clip) < 0.0 || clip.w <= 0.0 { return 0u; }
+    if project_near_distance(clip) < 0.0 || clip.w <= 0.0 { return found; }
     let there = project_pixel(clip);
     // A sphere of the radius at the next point: its centre's shift on the screen has at most these rows' lengths, twice
     // over where the sphere is close to the eye; and the footprint's skirt.
@@ -118,21 +129,31 @@ fn project_visibility(here: Projected, next: vec3f, next_radius: f32) -> u32 {
     let reach = max(here.half_width, max(shift.x, shift.y)) + 1.0;
     let low = min(here.position, there) - reach;
     let high = max(here.position, there) + reach;
-    if any(high < vec2f(0.0)) || any(low > drawing.viewport) { return PROJECTED_UNSEEN; }
+    found.known = true;
+    found.outside = any(high < vec2f(0.0)) || any(low > drawing.viewport);
+    found.first = vec2u(clamp(low, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
+    found.last = vec2u(clamp(high, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
+    let keys = vec2u(depth_key(here.depth), depth_key(project_depth(next, clip)));
+    found.nearest = min(keys.x, keys.y);
+    found.farthest = max(keys.x, keys.y);
+    return found;
+}
+
+// PROJECTED_UNSEEN, PROJECTED_IN_FRONT, or neither.
+fn project_visibility(found: ProjectReach) -> u32 {
+    if !found.known { return 0u; }
+    if found.outside { return PROJECTED_UNSEEN; }
     if (drawing.flags & DRAWING_HOST_DEPTH) == 0u { return PROJECTED_IN_FRONT; }
-    let first = vec2u(clamp(low, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
-    let last = vec2u(clamp(high, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
-    let size = last - first + 1u;
+    let size = found.last - found.first + 1u;
     if size.x * size.y > PROJECT_TILES { return 0u; }
     let columns = (u32(drawing.viewport.x) + HOST_TILE - 1u) / HOST_TILE;
-    let keys = vec2u(depth_key(here.depth), depth_key(project_depth(next, clip)));
     var hidden = true;
     var in_front = true;
-    for (var y = first.y; y <= last.y; y++) {
-        for (var x = first.x; x <= last.x; x++) {
+    for (var y = found.first.y; y <= found.last.y; y++) {
+        for (var x = found.first.x; x <= found.last.x; x++) {
             let tile = host_tiles[y * columns + x];
-            hidden = hidden && min(keys.x, keys.y) > tile.x;
-            in_front = in_front && max(keys.x, keys.y) < tile.y;
+            hidden = hidden && found.nearest > tile.x;
+            in_front = in_front && found.farthest < tile.y;
         }
     }
     return select(select(0u, PROJECTED_IN_FRONT, in_front), PROJECTED_UNSEEN, hidden);
@@ -242,7 +263,9 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let twice = (flags & PROJECTED_CUT_START) != 0u && (flags & PROJECTED_CUT_END) != 0u;
     let depth = select(here.depth, second_half_width, twice);
     let in_view = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u && (flags & PROJECTED_BEHIND) == 0u;
-    if in_view && !is_last { flags |= project_visibility(here, next, points[index + 1u].radius); }
+    if in_view && !is_last { 
+        flags |= project_visibility(project_reach(here, next, points[index + 1u].radius));
+    }
     var word = pack2x16snorm(bisector);
     if (flags & PROJECTED_BEHIND) == 0u {
         flags |= u32(before.distance * limit + 0.5) << PROJECTED_DISTANCE_BITS;

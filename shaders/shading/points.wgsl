@@ -64,7 +64,7 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
         let lean = abs(dot(fibre.tangent, wi));
         let slope = lean / max(sqrt(max(1.0 - lean * lean, 0.0)), 0.125);
         let visible = shadow(position + wi * (2.0 * slope * frame.lights[light].bias), light);
-        radiance += reach.irradiance * scatter(fibre, wi, wo, visible);
+        radiance += occlusion(position, wi, light) * reach.irradiance * scatter(fibre, wi, wo, visible);
     }
     // The largest 16-bit float; also what becomes of an infinity.
     radiance = min(max(radiance, vec3f(0.0)), vec3f(65504.0));

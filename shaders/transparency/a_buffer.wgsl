@@ -205,6 +205,11 @@ fn resolve(pixel: vec2u) -> Resolved {
         colour += transmittance * tail.xyz;
         transmittance *= tail.w;
     }
+    if transmittance > A_BUFFER_UNSEEN {
+        let beyond = resolve_beyond(number);
+        colour += transmittance * beyond.xyz;
+        transmittance *= beyond.w;
+    }
     result.colour = vec4f(colour, 1.0 - transmittance);
     return result;
 }
@@ -266,6 +271,6 @@ fn nearest(pixel: vec2u) -> Nearest {
             near.key = overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY];
         }
     }
-    near.opacity = 1.0 - transmittance;
+    near.opacity = 1.0 - transmittance * resolve_beyond(number).w;
     return near;
 }

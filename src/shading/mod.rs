@@ -24,6 +24,7 @@ pub use scheuermann::{Highlight, Scheuermann};
 use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::layout::Material;
+use crate::occluder;
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::Module;
@@ -158,9 +159,10 @@ impl Shading {
 }
 
 /// The module that shades points.
-pub(crate) fn points_module(shadow: &Shadow, files: &[&'static str]) -> Module {
+pub(crate) fn points_module(shadow: &Shadow, occluded: bool, files: &[&'static str]) -> Module {
     shadow
         .module()
+        .and(occluder::files(occluded))
         .and(&["common/light", "shading/fibre_type", "shading/points"])
         .and(files)
 }
@@ -170,16 +172,25 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
     tables::record(gpu, passes, bound, plan)?;
     let (label, files) = plan.shading;
     let key = PipelineKey {
-        variant: plan.shadow.variant(),
+        variant: plan.shadow.variant() * 2 + u32::from(plan.occluded),
         ..PipelineKey::new(label)
     };
-    let groups = [Group::Frame, Group::Shade, Group::MapsRead];
-    let pipeline = gpu.compute(key, "shade_points", &groups, || {
-        points_module(&plan.shadow, files)
+    let groups = [
+        Group::Frame,
+        Group::Shade,
+        Group::MapsRead,
+        Group::Occluders,
+    ];
+    let groups = &groups[..if plan.occluded { 4 } else { 3 }];
+    let pipeline = gpu.compute(key, "shade_points", groups, || {
+        points_module(&plan.shadow, plan.occluded, files)
     })?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(2, bound.maps_read, &[]);
+        if let Some(occluders) = bound.occluders {
+            pass.set_bind_group(3, occluders, &[]);
+        }
         for ((run, drawing), groups) in plan
             .runs
             .iter()

@@ -7,6 +7,7 @@ use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::transparency::{Fragments, Needs};
 
 const COUNT: Emission = Emission {
     label: "pelage.transparency.a_buffer.count",
@@ -16,6 +17,7 @@ const COUNT: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/a_buffer_store",
         "transparency/a_buffer_emit",
     ],
     group: Group::PixelsWritten,
@@ -90,19 +92,40 @@ pub struct ABuffer {
 
 impl ABuffer {
     pub(crate) fn validate(&self) -> Result<()> {
-        match self.pool_bytes {
-            Some(bytes) if bytes < FRAGMENT_BYTES.max(NODE_BYTES) => {
-                invalid!(
-                    "a_buffer: pool_bytes {bytes} holds no fragment; the least is {NODE_BYTES}"
-                )
-            }
-            _ => Ok(()),
+        validate_pool("a_buffer", self.pool_bytes)
+    }
+
+    pub(crate) fn needs(&self, pixels: u64) -> Needs {
+        let linked = self.storage == Storage::Lists;
+        Needs {
+            fill: pixels * 4,
+            links: if linked { 0 } else { scan_words(pixels) * 4 },
+            overflow: pixels * 4 * OVERFLOW_WORDS,
+            fragments: Fragments::Pool {
+                linked,
+                bytes: self.pool_bytes,
+            },
         }
     }
 }
 
-/// Fills the A-buffer for a band of rows.
-pub(crate) fn record(
+/// Refuses a pool that holds no fragment.
+pub(crate) fn validate_pool(stem: &str, pool_bytes: Option<u64>) -> Result<()> {
+    match pool_bytes {
+        Some(bytes) if bytes < FRAGMENT_BYTES.max(NODE_BYTES) => {
+            invalid!("{stem}: pool_bytes {bytes} holds no fragment; the least is {NODE_BYTES}")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Words of the scan over `pixels` pixels: a place each, the total, and the blocks' sums.
+pub(crate) fn scan_words(pixels: u64) -> u64 {
+    pixels + 1 + pixels.div_ceil(u64::from(SCAN_BLOCK))
+}
+
+/// Clears what a band's fragments are counted in, and counts them where the storage asks for it.
+pub(crate) fn count(
     gpu: &mut Gpu,
     passes: &mut Passes,
     bound: &Bound,
@@ -124,24 +147,66 @@ pub(crate) fn record(
         bound.clear_counters(encoder);
     });
     match storage {
+        Storage::Lists => Ok(()),
+        Storage::Counted => raster::record(gpu, passes, bound, &COUNT, draw, plan),
+    }
+}
+
+/// Fills the A-buffer for a band of rows.
+pub(crate) fn record(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    draw: &Draw,
+    plan: &Plan,
+    storage: Storage,
+) -> Result<()> {
+    match storage {
         Storage::Lists => raster::record(gpu, passes, bound, &LIST, draw, plan)?,
-        Storage::Counted => {
-            raster::record(gpu, passes, bound, &COUNT, draw, plan)?;
-            scan(gpu, passes, bound, band, plan, false)?;
-            // From here to the scatter nothing is run, or all returns at once, where the pool suffices.
-            bound.copy_arguments(passes);
-            let overflowing = Draw {
-                on_overflow: true,
-                ..*draw
-            };
-            search(gpu, passes, bound, band, &overflowing, plan)?;
-            scan(gpu, passes, bound, band, plan, true)?;
-            raster::record(gpu, passes, bound, &SCATTER_OVERFLOW, &overflowing, plan)?;
-            raster::record(gpu, passes, bound, &SCATTER, draw, plan)?;
-        }
+        Storage::Counted => store(gpu, passes, bound, band, draw, plan, &STORE)?,
     }
     bound.keep_counters(passes, band.number);
     Ok(())
+}
+
+/// The stages that store fragments that have been counted.
+pub(crate) struct Store {
+    pub range: Emission,
+    pub histogram: Emission,
+    pub scatter: Emission,
+    pub scatter_overflow: Emission,
+}
+
+const STORE: Store = Store {
+    range: RANGE,
+    histogram: HISTOGRAM,
+    scatter: SCATTER,
+    scatter_overflow: SCATTER_OVERFLOW,
+};
+
+/// Turns the pixels' counts into places, and stores the fragments there.
+pub(crate) fn store(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: &Bound,
+    band: &Band,
+    draw: &Draw,
+    plan: &Plan,
+    stages: &Store,
+) -> Result<()> {
+    scan(gpu, passes, bound, band, plan, false)?;
+    // From here to the scatter nothing is run, or all returns at once, where the pool suffices.
+    bound.copy_arguments(passes);
+    let overflowing = Draw {
+        on_overflow: true,
+        ..*draw
+    };
+    search(gpu, passes, bound, band, &overflowing, plan, stages)?;
+    scan(gpu, passes, bound, band, plan, true)?;
+    let overflow = &stages.scatter_overflow;
+    raster::record(gpu, passes, bound, overflow, &overflowing, plan)?;
+    raster::record(gpu, passes, bound, &stages.scatter, draw, plan)
 }
 
 /// Finds the depth up to which each pixel's nearest fragments fill its share of a pool that is too small.
@@ -152,6 +217,7 @@ fn search(
     band: &Band,
     draw: &Draw,
     plan: &Plan,
+    stages: &Store,
 ) -> Result<()> {
     pixel_pass(
         gpu,
@@ -164,7 +230,7 @@ fn search(
             "a_buffer_overflow_begin",
         ),
     )?;
-    raster::record(gpu, passes, bound, &RANGE, draw, plan)?;
+    raster::record(gpu, passes, bound, &stages.range, draw, plan)?;
     pixel_pass(
         gpu,
         passes,
@@ -177,7 +243,7 @@ fn search(
         ),
     )?;
     for _ in 0..SEARCH_ROUNDS {
-        raster::record(gpu, passes, bound, &HISTOGRAM, draw, plan)?;
+        raster::record(gpu, passes, bound, &stages.histogram, draw, plan)?;
         pixel_pass(
             gpu,
             passes,
@@ -276,6 +342,10 @@ fn scan(
 /// The files that supply `resolve(pixel)`.
 pub(crate) fn resolve_module(common: Module, storage: Storage) -> Module {
     common
-        .and(&["transparency/overflow", "transparency/a_buffer"])
+        .and(&[
+            "transparency/overflow",
+            "transparency/a_buffer_whole",
+            "transparency/a_buffer",
+        ])
         .with("LISTS", Constant::Bool(storage == Storage::Lists))
 }

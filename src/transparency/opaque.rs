@@ -5,6 +5,7 @@ use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission, Raster};
 use crate::resources::Bound;
+use crate::transparency::{Fragments, Needs};
 
 const NEAREST: Emission = Emission {
     label: "pelage.transparency.opaque.nearest",
@@ -33,6 +34,15 @@ pub(crate) const EMISSIONS: [Emission; 2] = [NEAREST, WINNER];
 pub struct Opaque {
     /// The rasteriser.
     pub raster: Raster,
+}
+
+pub(crate) fn needs(pixels: u64) -> Needs {
+    Needs {
+        fill: pixels * 4,
+        links: pixels * 4,
+        overflow: 0,
+        fragments: Fragments::Fixed(pixels * 4),
+    }
 }
 
 pub(crate) fn record(

@@ -16,11 +16,19 @@ use crate::common::scenes::{WHITE, portrait};
 use super::support::{OPAQUE, directional, draw, exact, image_of, light, modelled};
 
 const DIRECTION: DVec3 = DVec3::new(-0.4, -0.8, -0.5);
-/// 16-bit floats, and texels that a fibre touches by less than a float tells.
-const MODEL: Tolerance = Tolerance {
-    rmse: 2e-3,
-    p99: 4e-3,
-};
+/// 16-bit floats, and texels that a fibre touches by less than a float tells. With a filter, texels beside the point in
+/// which a bent fibre is not where its segments at the point, prolonged, would be. Measured: RMSE 0.0008, 99th percentile
+/// 0.0026 with one texel; 0.0044 and 0.021 with 3×3.
+const MODEL: [Tolerance; 2] = [
+    Tolerance {
+        rmse: 2e-3,
+        p99: 4e-3,
+    },
+    Tolerance {
+        rmse: 8e-3,
+        p99: 4e-2,
+    },
+];
 
 #[test]
 fn it_is_what_its_model_says() {
@@ -64,7 +72,7 @@ fn it_is_what_its_model_says() {
             &format!("approximated_deep_shadow_map pcf {pcf}"),
             &actual,
             &expected,
-            MODEL,
+            MODEL[usize::from(pcf > 1)],
         );
     }
 }

@@ -66,15 +66,19 @@ fn the_error_falls_or_stays_with_the_number_of_layers() {
                 error
             })
             .collect();
-        for (more, fewer) in errors.iter().skip(1).zip(&errors) {
-            // Where the filter's own error is all that is left, it wavers.
+        // Where boundaries fall among the hair counts too: four times the layers, not twice, are sure to be no worse.
+        for (more, fewer) in errors.iter().skip(2).zip(&errors) {
             assert!(
-                more.rmse <= fewer.rmse * 1.02,
+                more.rmse <= fewer.rmse * 1.05,
                 "opacity {opacity}: {} after {}",
                 more.rmse,
                 fewer.rmse
             );
         }
+        assert!(
+            errors[4].rmse < 0.7 * errors[0].rmse,
+            "opacity {opacity}: {errors:?}"
+        );
         assert!(
             errors[2].rmse < 0.5 * unshadowed.rmse,
             "opacity {opacity}: {:?}",

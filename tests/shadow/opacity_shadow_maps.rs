@@ -15,10 +15,11 @@ use crate::common::scenes::{WHITE, portrait};
 use super::support::{OPAQUE, directional, draw, exact, image_of, light, modelled};
 
 const DIRECTION: DVec3 = DVec3::new(-0.4, -0.8, -0.5);
-/// 16-bit floats, and fragments whose depth is a plane's to the last bit.
+/// 16-bit floats, fragments whose depth is a plane's to the last bit, and texels beside the point in which a bent fibre is not
+/// where its segments at the point, prolonged, would be.
 const MODEL: Tolerance = Tolerance {
-    rmse: 2e-3,
-    p99: 4e-3,
+    rmse: 8e-3,
+    p99: 4e-2,
 };
 
 #[test]

@@ -200,11 +200,9 @@ fn shadows(quick: bool) -> Vec<Shadow> {
         }
     }
     for &resolution in resolutions {
-        // 256 planes of 1024² texels are more than one binding of a software driver holds.
-        for layers in [16, 64, 256]
-            .into_iter()
-            .take(if resolution > 256 { 2 } else { 3 })
-        {
+        // As many planes as one binding of a software driver holds.
+        let fits = |layers: &u32| resolution.pow(2) * layers <= 1 << 25;
+        for layers in [16, 64, 256].into_iter().filter(fits) {
             for pcf in [1, 3] {
                 shadows.push(Shadow::OpacityShadowMaps(OpacityShadowMaps {
                     resolution,

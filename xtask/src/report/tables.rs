@@ -18,7 +18,8 @@ of white.
   the whole frame.
 - **Shadow**: transmittance at the strand points next to the nearest fragments of at most 6,000 pixels, against 64 rays
   over a disc of half a pixel's size; time of the light's passes, each submitted alone. \"Picture\" is the error of the shaded
-  nearest fragments.
+  nearest fragments. Convergence: what the error of opacity shadow maps has above that of 128 planes falls as N^-1 from 4 to
+  16 planes (slope -1.02 on 2,000 straight strands; a test holds it below -0.7); beyond 64 the map's texels are all that is left.
 - **Shading**: the nearest fragments' picture against the reference's, without shadows; time of the whole frame.
 - ꟻLIP is the mean over the whole picture, on mid-grey. Memory is all of the library's on the device: geometry too.
 - `pool_part` 0.1 is a fragment pool a tenth of what all fragments need: the rest is merged.

@@ -1,0 +1,97 @@
+// What every technique that stores fragments in the A-buffer's pool writes: a fragment, a step of the search for a pixel's
+// share, and the tail of what does not fit.
+
+@group(3) @binding(0) var<storage, read_write> counters: Counters;
+// Counted: first place of a pixel, counted up to its end as fragments are stored. Lists: next node, as in `fill`.
+@group(3) @binding(2) var<storage, read_write> links: array<atomic<u32>>;
+// A fragment is three words side by side: key, point, and opacity with place. The pool has three parts, since one binding
+// may be too small for it.
+@group(3) @binding(3) var<storage, read_write> fragments_0: array<u32>;
+@group(3) @binding(4) var<storage, read_write> fragments_1: array<u32>;
+@group(3) @binding(5) var<storage, read_write> fragments_2: array<u32>;
+@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
+@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
+
+var<private> a_buffer_culled: u32;
+var<private> a_buffer_capacity: u32;
+var<private> a_buffer_part: u32;
+
+fn a_buffer_begin() {
+    emit_common_begin();
+    a_buffer_culled = 0u;
+    a_buffer_capacity = frame.capacity;
+    a_buffer_part = frame.part_capacity;
+}
+
+fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
+    // The root keeps thin fibres' small opacities apart: 0.05 % at 0.001. Both values are within 0 and 1.
+    let value = u32(sqrt(fragment.opacity) * 65535.0 + 0.5) | (u32(fragment.along * 65535.0 + 0.5) << 16u);
+    let part = a_buffer_part;
+    if PARTS == 1u || place < part {
+        fragments_0[place * 3u] = key;
+        fragments_0[place * 3u + 1u] = fragment.point;
+        fragments_0[place * 3u + 2u] = value;
+    } else if PARTS > 1u && place < 2u * part {
+        let word = (place - part) * 3u;
+        fragments_1[word] = key;
+        fragments_1[word + 1u] = fragment.point;
+        fragments_1[word + 2u] = value;
+    } else if PARTS > 2u {
+        let word = (place - 2u * part) * 3u;
+        fragments_2[word] = key;
+        fragments_2[word + 1u] = fragment.point;
+        fragments_2[word + 2u] = value;
+    }
+}
+
+// Adds to one sum of a pixel's tail; its carries are counted beside it.
+fn a_buffer_tail_add(pixel: u32, sum: u32, value: f32) {
+    let steps = u32(value + 0.5);
+    let before = atomicAdd(&overflow[pixel * OVERFLOW_WORDS + sum], steps);
+    if before + steps < before {
+        atomicAdd(&overflow[pixel * OVERFLOW_WORDS + TAIL_CARRIES], 1u << (sum * TAIL_CARRY_BITS));
+    }
+}
+
+fn a_buffer_merge(pixel: u32, fragment: Fragment) {
+    let colour = shaded_colour(fragment.point, fragment.along);
+    let steps = min(fragment.opacity * colour * frame.tail_scale, vec3f(TAIL_LARGEST));
+    a_buffer_tail_add(pixel, TAIL_DEPTH, optical_depth(fragment.opacity) * TAIL_DEPTH_SCALE);
+    a_buffer_tail_add(pixel, TAIL_WEIGHT, fragment.opacity * TAIL_WEIGHT_SCALE);
+    a_buffer_tail_add(pixel, TAIL_COLOUR, steps.x);
+    a_buffer_tail_add(pixel, TAIL_COLOUR + 1u, steps.y);
+    a_buffer_tail_add(pixel, TAIL_COLOUR + 2u, steps.z);
+}
+
+// Widens the range of a pixel's keys.
+fn a_buffer_range(number: u32, key: u32) {
+    let words = number * OVERFLOW_WORDS;
+    atomicMin(&overflow[words + SEARCH_LOW], key);
+    atomicMax(&overflow[words + SEARCH_WIDTH], key);
+}
+
+// Counts a key in the bin of what is left of the range.
+fn a_buffer_histogram(number: u32, key: u32) {
+    let words = number * OVERFLOW_WORDS;
+    let low = atomicLoad(&overflow[words + SEARCH_LOW]);
+    let width = atomicLoad(&overflow[words + SEARCH_WIDTH]);
+    if key >= low && key - low < width {
+        atomicAdd(&overflow[words + SEARCH_BINS + (key - low) / search_bin_width(width)], 1u);
+    }
+}
+
+// Stores a fragment in the pixel's next place.
+fn a_buffer_scatter(number: u32, key: u32, fragment: Fragment) {
+    // The count and this pass evaluate the same expressions; should they differ all the same, the pool's end holds.
+    let place = atomicAdd(&links[number], 1u);
+    if place < a_buffer_capacity { a_buffer_store(place, key, fragment); }
+}
+
+// Stores a fragment that lies before the pixel's tail, and merges one that does not.
+fn a_buffer_scatter_overflow(number: u32, key: u32, fragment: Fragment) {
+    if key >= atomicLoad(&overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY]) {
+        a_buffer_merge(number, fragment);
+    } else {
+        a_buffer_scatter(number, key, fragment);
+    }
+}
