@@ -1,5 +1,7 @@
 //! Moment opacity map: a texel keeps the moments of its fragments' optical depths, from which the optical depth before any
 //! depth is bounded from both sides (Peters and Klein 2015; Münstermann et al. 2018). One pass, and no layers to see.
+//! Against transmittance along rays, 2,000 strands of opacity 0.3 in 512² texels: RMSE of the image 0.054 with 4 moments,
+//! 0.037 with 6; a deep opacity map with the same filter 0.072 with 4 layers, 0.056 with 8.
 //!
 //! Chosen over Fourier opacity maps (Jansen and Bavoil 2010) by measurement: RMSE of transmittance at all fibres in a map
 //! of 256² texels of the built-in grooms of 10,000 strands, in double precision:
@@ -15,7 +17,9 @@
 //! | 8 layers behind a front | 36 | 0.093 / 0.081 / 0.075 | 0.103 / – / 0.085 |
 //! | 16 layers behind a front | 68 | 0.083 / 0.069 / 0.064 | 0.090 / – / 0.070 |
 //!
-//! Fourier series ring, so that light would rise again behind hair; damped they do not, and err by a third more.
+//! Fourier series ring, so that light would rise again behind hair; damped they do not, and err by a sixth to two thirds more.
+//! In fixed point, 65,536 steps a unit, with the bias that it needs, 6 moments err by 0.073, 0.090, 0.115 with 0.4 of the
+//! mass at a place counted before it, for 0.064, 0.080, 0.106 in double precision.
 //! Trigonometric moments err as power moments do (0.111 and 0.078 for 4 and 6 moments' 0.106 and 0.077). Depths from the
 //! texel's own front, which cost a pass more, gain nothing (0.111 and 0.089). 16-bit sums cannot be made by atomics.
 
