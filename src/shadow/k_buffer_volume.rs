@@ -38,6 +38,7 @@ const EVENTS: Emission = Emission {
     label: "pelage.shadow.k_buffer_volume.events",
     stage: 0,
     files: &[
+        "shadow/front",
         "shadow/map_emit",
         "shadow/k_buffer_volume_common",
         "shadow/k_buffer_volume_emit",

@@ -44,6 +44,7 @@ const MOMENTS: Emission = Emission {
     label: "pelage.shadow.moment_opacity_map",
     stage: 0,
     files: &[
+        "shadow/front",
         "shadow/map_emit",
         "shadow/moment_opacity_map_common",
         "shadow/moment_opacity_map_emit",
