@@ -37,11 +37,12 @@ fn events(seen: &Seen, opacity: f64, inclination: f64, radius: f64) -> (Vec<Even
     (seen.occluders.iter().map(event).collect(), depth)
 }
 
-/// 20 bits of depth, 12 of opacity and of transmittance, and 16-bit floats: 8e-4 and 6e-4 were measured. A depth that falls on
-/// the other side of an event moves a texel by that event.
+/// 20 bits of depth, 12 of opacity and of transmittance, and 16-bit floats: 8e-4 and 6e-4 were measured without the own fibre
+/// taken off. With it, texels beside the point in which a bent fibre is not where its segments at the point, prolonged, would
+/// be: 2.7e-3 and 7.7e-3 with K = 1. As for the other maps.
 const MODEL: Tolerance = Tolerance {
-    rmse: 1.5e-3,
-    p99: 2e-3,
+    rmse: 8e-3,
+    p99: 4e-2,
 };
 
 #[test]
