@@ -189,6 +189,18 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Kim and Neumann 2001.
 #define PELAGE_SHADOW_OPACITY_SHADOW_MAPS 4
 
+// Peters and Klein 2015, Münstermann et al. 2018.
+#define PELAGE_SHADOW_MOMENT_OPACITY_MAP 5
+
+// Yu et al. 2012.
+#define PELAGE_SHADOW_K_BUFFER_VOLUME 6
+
+// A fibre takes as much of the light as its opacity says.
+#define PELAGE_ATTENUATION_OPACITY 0
+
+// A fibre takes what its surface reflects and its inside absorbs.
+#define PELAGE_ATTENUATION_FRESNEL 1
+
 // The nearest fragment's colour at the pixel's whole opacity.
 #define PELAGE_TRANSPARENCY_OPAQUE 0
 
@@ -727,6 +739,8 @@ typedef struct PelageDeepOpacityMap {
     float depth;
     // `PELAGE_RASTER_...`.
     uint32_t raster;
+    // The part of each channel that a crossed fibre passes on, from 0 to below 1: all hair's alike.
+    float transmitted[3];
 } PelageDeepOpacityMap;
 
 // Settings of the shadow map.
@@ -777,6 +791,44 @@ typedef struct PelageOpacityShadowMaps {
     uint32_t raster;
 } PelageOpacityShadowMaps;
 
+// Settings of the moment opacity map.
+typedef struct PelageMomentOpacityMap {
+    // `sizeof(PelageMomentOpacityMap)`.
+    uint32_t struct_size;
+    // Texels a side, from 16 to 8192.
+    uint32_t resolution;
+    // Moments beside the sum, 4 or 6.
+    uint32_t moments;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // The part of each channel that a crossed fibre passes on, from 0 to below 1: all hair's alike.
+    float transmitted[3];
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageMomentOpacityMap;
+
+// Settings of the k-buffer volumetric shadow.
+typedef struct PelageKBufferVolume {
+    // `sizeof(PelageKBufferVolume)`.
+    uint32_t struct_size;
+    // Texels a side, from 16 to 8192.
+    uint32_t resolution;
+    // Events a texel, from 1 to 64.
+    uint32_t k;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // 1: what lies behind the K-th event counts, spread evenly to the farthest one. 0: it does not.
+    uint32_t tail;
+    // `PELAGE_ATTENUATION_...`: what a fibre takes of the light.
+    uint32_t attenuation;
+    // Of `PELAGE_ATTENUATION_FRESNEL`: the index of refraction, from 1.01 to 3.
+    float eta;
+    // Of `PELAGE_ATTENUATION_FRESNEL`: absorption per fibre radius, from 0.
+    float sigma_a[3];
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageKBufferVolume;
+
 // A shadow technique with its settings.
 typedef struct PelageShadow {
     // `sizeof(PelageShadow)`.
@@ -791,6 +843,10 @@ typedef struct PelageShadow {
     const struct PelageApproximatedDeepShadowMap *approximated_deep_shadow_map;
     // For `PELAGE_SHADOW_OPACITY_SHADOW_MAPS`; NULL: as `PELAGE_OPACITY_SHADOW_MAPS_INIT`.
     const struct PelageOpacityShadowMaps *opacity_shadow_maps;
+    // For `PELAGE_SHADOW_MOMENT_OPACITY_MAP`; NULL: as `PELAGE_MOMENT_OPACITY_MAP_INIT`.
+    const struct PelageMomentOpacityMap *moment_opacity_map;
+    // For `PELAGE_SHADOW_K_BUFFER_VOLUME`; NULL: as `PELAGE_K_BUFFER_VOLUME_INIT`.
+    const struct PelageKBufferVolume *k_buffer_volume;
 } PelageShadow;
 
 // Settings of the opaque technique.
@@ -1714,8 +1770,10 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 1.0f }
 #define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 1.0f }
 #define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL }
-#define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 1, 1.0f, 0 }
-#define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL, NULL, NULL, NULL }
+#define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 1, 1.0f, 0, { 0.0f, 0.0f, 0.0f } }
+#define PELAGE_MOMENT_OPACITY_MAP_INIT { sizeof(PelageMomentOpacityMap), 512, 6, 3, { 0.0f, 0.0f, 0.0f }, 0 }
+#define PELAGE_K_BUFFER_VOLUME_INIT { sizeof(PelageKBufferVolume), 512, 16, 3, 1, 0, 1.55f, { 0.0f, 0.0f, 0.0f }, 0 }
+#define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_SHADOW_MAP_INIT { sizeof(PelageShadowMap), 512, 5, 1.0f, 0 }
 #define PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT { sizeof(PelageApproximatedDeepShadowMap), 512, 3, 0.0f, 0.0f, 0 }
 #define PELAGE_OPACITY_SHADOW_MAPS_INIT { sizeof(PelageOpacityShadowMaps), 512, 64, 0.0f, 3, 0 }
@@ -1731,11 +1789,11 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_VULKAN_INSTANCE_INIT { sizeof(PelageVulkanInstance), 0, NULL, NULL, 0, 0 }
 #define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }
 #define PELAGE_VULKAN_DEVICE_INIT { sizeof(PelageVulkanDevice), 0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0 }
-#define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0 }
+#define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 4294967295, 4294967295 }
 #define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_VULKAN_OCCLUDER_INIT { sizeof(PelageVulkanOccluder), 0, NULL, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, 0, 3, 0.0f, 0 }
 #define PELAGE_VULKAN_SHADOW_IMAGE_INIT { sizeof(PelageVulkanShadowImage), 0, NULL }
-#define PELAGE_VULKAN_POINTS_INIT { sizeof(PelageVulkanPoints), 0, 0, 0, 0, 12, { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 } }
+#define PELAGE_VULKAN_POINTS_INIT { sizeof(PelageVulkanPoints), 0, 0, 0, 0, 12, { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 4294967295, 4294967295 }
 #define PELAGE_VULKAN_SEMAPHORE_INIT { sizeof(PelageVulkanSemaphore), 0, 0, 0 }
 #define PELAGE_VULKAN_SUBMIT_INIT { sizeof(PelageVulkanSubmit), 0, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_WINDOW_INIT { sizeof(PelageWindow), 0, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }

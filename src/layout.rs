@@ -57,6 +57,7 @@ pub struct Drawing {
     pub segment_count: u32,
     pub hair: u32,
     pub map_values: [f32; 4],
+    pub map_colour: [f32; 4],
     pub clip_from_object: [[f32; 4]; 4],
     pub previous_clip_from_object: [[f32; 4]; 4],
     pub jitter_motion: [f32; 2],
@@ -96,6 +97,7 @@ pub struct ShadowView {
     pub front_shift: u32,
     pub padding_0: u32,
     pub values: [f32; 4],
+    pub colour: [f32; 4],
 }
 
 #[repr(C)]

@@ -521,6 +521,7 @@ impl Plan {
             front_shift: shape.front_shift.unwrap_or(0),
             padding_0: 0,
             values: shape.values,
+            colour: shape.colour,
         };
         let seen = Seen {
             half_width_px: half_width,
@@ -544,6 +545,7 @@ impl Plan {
                 front_shift: shape.front_shift.unwrap_or(0),
                 row_end: shape.resolution,
                 map_values: shape.values,
+                map_colour: shape.colour,
                 ..bytemuck::Zeroable::zeroed()
             },
         );

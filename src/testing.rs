@@ -12,8 +12,9 @@ use crate::shading::{
     gather_module, tables, transmission,
 };
 use crate::shadow::{
-    ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
-    approximated_deep_shadow_map, deep_opacity_map, opacity_shadow_maps, shadow_map,
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap, approximated_deep_shadow_map, deep_opacity_map, k_buffer_volume,
+    moment_opacity_map, opacity_shadow_maps, shadow_map,
 };
 use crate::transparency::{
     ABuffer, DbkBuffer, Opaque, Storage, Transparency, a_buffer, dbk_buffer, opaque, resolve_module,
@@ -38,13 +39,15 @@ pub fn models() -> [Shading; 5] {
 }
 
 /// Every shadow technique, with its defaults.
-pub fn shadows() -> [Shadow; 5] {
+pub fn shadows() -> [Shadow; 7] {
     [
         Shadow::None,
         Shadow::DeepOpacityMap(DeepOpacityMap::default()),
         Shadow::ShadowMap(ShadowMap::default()),
         Shadow::ApproximatedDeepShadowMap(ApproximatedDeepShadowMap::default()),
         Shadow::OpacityShadowMaps(OpacityShadowMaps::default()),
+        Shadow::MomentOpacityMap(MomentOpacityMap::default()),
+        Shadow::KBufferVolume(KBufferVolume::default()),
     ]
 }
 
@@ -115,6 +118,11 @@ pub fn transmission_bound(shading: &Shading, angle: f64) -> Option<f32> {
     Some(transmission::look_up(&bound, angle))
 }
 
+/// A shadow technique's look-up, `shadow_texel` and all beneath it, behind the common files.
+pub fn shadow_source(shadow: &Shadow) -> String {
+    shadow.module().join().source
+}
+
 /// Every module that the crate can build.
 pub fn combinations() -> Vec<Combination> {
     let mut modules: Vec<(String, Module)> = Vec::new();
@@ -127,7 +135,9 @@ pub fn combinations() -> Vec<Combination> {
             &shadow_map::DEPTH,
             &approximated_deep_shadow_map::DEPTH,
             &opacity_shadow_maps::SLABS,
-        ]);
+        ])
+        .chain(&moment_opacity_map::EMISSIONS)
+        .chain(&k_buffer_volume::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             for rate in [ShadingRate::Point, ShadingRate::Fragment] {
@@ -235,12 +245,17 @@ pub fn combinations() -> Vec<Combination> {
                 .with("REVERSE_Z", Constant::Bool(reverse)),
         ));
     }
+    for (name, files) in [
+        ("deep_opacity_map prefix", deep_opacity_map::PREFIX),
+        ("opacity_shadow_maps sum", opacity_shadow_maps::SUM),
+        ("k_buffer_volume prefix", k_buffer_volume::PREFIX),
+    ] {
+        modules.push((name.into(), Module::new(files)));
+    }
     modules.push((
         "shadow_image_none".into(),
         Module::new(composite::SHADOW_IMAGE_NONE),
     ));
-    modules.push(("prefix".into(), Module::new(deep_opacity_map::PREFIX)));
-    modules.push(("sum".into(), Module::new(opacity_shadow_maps::SUM)));
     modules.push((
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
@@ -298,14 +313,14 @@ pub fn layouts() -> Vec<Layout> {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, front_shift, row_first, row_end,
-            segment_count, hair, map_values, clip_from_object, previous_clip_from_object, jitter_motion, fibre_run,
-            fibre_run_number, largest_radius, padding_0, padding_1, padding_2,
+            segment_count, hair, map_values, map_colour, clip_from_object, previous_clip_from_object, jitter_motion,
+            fibre_run, fibre_run_number, largest_radius, padding_0, padding_1, padding_2,
         }
         Light {
             place, power, map_count, map_first, resolution, pcf, layer_count, bias, cos_outer, edge,
             padding_0, axis, padding_1,
         }
-        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values }
+        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values, colour }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
             part_capacity, origin, cut_depth, depth_shift, fibre_runs, occluder_count, padding_0, padding_1, lights,

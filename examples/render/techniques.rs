@@ -10,7 +10,8 @@ use pelage::shading::{
     Sadeghi, Scheuermann, Shading, ShadingRate, Tables,
 };
 use pelage::shadow::{
-    ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
+    ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap,
+    OpacityShadowMaps, Shadow, ShadowMap,
 };
 use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
 use pelage::{Raster, glam};
@@ -59,6 +60,8 @@ pub const SHADOW: Group = Group {
         "approximated_deep_shadow_map",
         "opacity_shadow_maps",
         "deep_opacity_map",
+        "moment_opacity_map",
+        "k_buffer_volume",
     ],
     default: "deep_opacity_map",
     common: &[],
@@ -308,6 +311,7 @@ struct DeepOpacityMapKeys {
     layers: u32,
     pcf: u32,
     depth: f32,
+    transmitted: [f32; 3],
     raster: RasterKey,
 }
 
@@ -324,6 +328,81 @@ impl DeepOpacityMapKeys {
             layers: settings.layers,
             pcf: settings.pcf,
             depth: settings.depth,
+            transmitted: settings.transmitted.into(),
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct MomentOpacityMapKeys {
+    resolution: u32,
+    moments: u32,
+    pcf: u32,
+    transmitted: [f32; 3],
+    raster: RasterKey,
+}
+
+impl Default for MomentOpacityMapKeys {
+    fn default() -> Self {
+        Self::of(&MomentOpacityMap::default())
+    }
+}
+
+impl MomentOpacityMapKeys {
+    fn of(settings: &MomentOpacityMap) -> Self {
+        Self {
+            resolution: settings.resolution,
+            moments: settings.moments,
+            pcf: settings.pcf,
+            transmitted: settings.transmitted.into(),
+            raster: RasterKey::of(settings.raster),
+        }
+    }
+}
+
+/// `"attenuation"` of the k-buffer volume, as the scene file spells it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum AttenuationKey {
+    Opacity,
+    Fresnel,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct KBufferVolumeKeys {
+    resolution: u32,
+    k: u32,
+    pcf: u32,
+    tail: bool,
+    attenuation: AttenuationKey,
+    eta: f32,
+    sigma_a: [f32; 3],
+    raster: RasterKey,
+}
+
+impl Default for KBufferVolumeKeys {
+    fn default() -> Self {
+        Self::of(&KBufferVolume::default())
+    }
+}
+
+impl KBufferVolumeKeys {
+    fn of(settings: &KBufferVolume) -> Self {
+        let (attenuation, eta, sigma_a) = match settings.attenuation {
+            Attenuation::Fresnel { eta, sigma_a } => (AttenuationKey::Fresnel, eta, sigma_a),
+            _ => (AttenuationKey::Opacity, 1.55, Default::default()),
+        };
+        Self {
+            resolution: settings.resolution,
+            k: settings.k,
+            pcf: settings.pcf,
+            tail: settings.tail,
+            attenuation,
+            eta,
+            sigma_a: sigma_a.into(),
             raster: RasterKey::of(settings.raster),
         }
     }
@@ -538,6 +617,8 @@ impl Group {
             "shadow_map" => json!(ShadowMapKeys::default()),
             "approximated_deep_shadow_map" => json!(ApproximatedDeepShadowMapKeys::default()),
             "opacity_shadow_maps" => json!(OpacityShadowMapsKeys::default()),
+            "moment_opacity_map" => json!(MomentOpacityMapKeys::default()),
+            "k_buffer_volume" => json!(KBufferVolumeKeys::default()),
             "opaque" => json!(OpaqueKeys::default()),
             "a_buffer" => json!(ABufferKeys::default()),
             "dbk_buffer" => json!(DbkBufferKeys::default()),
@@ -675,6 +756,35 @@ pub fn shadow(map: &Map<String, Value>) -> Result<Shadow> {
                 layers: keys.layers,
                 pcf: keys.pcf,
                 depth: keys.depth,
+                transmitted: keys.transmitted.into(),
+                raster: keys.raster.raster(),
+            }))
+        }
+        "moment_opacity_map" => {
+            let keys: MomentOpacityMapKeys = SHADOW.settings(stem, map)?;
+            Ok(Shadow::MomentOpacityMap(MomentOpacityMap {
+                resolution: keys.resolution,
+                moments: keys.moments,
+                pcf: keys.pcf,
+                transmitted: keys.transmitted.into(),
+                raster: keys.raster.raster(),
+            }))
+        }
+        "k_buffer_volume" => {
+            let keys: KBufferVolumeKeys = SHADOW.settings(stem, map)?;
+            let attenuation = match keys.attenuation {
+                AttenuationKey::Opacity => Attenuation::Opacity,
+                AttenuationKey::Fresnel => Attenuation::Fresnel {
+                    eta: keys.eta,
+                    sigma_a: keys.sigma_a.into(),
+                },
+            };
+            Ok(Shadow::KBufferVolume(KBufferVolume {
+                resolution: keys.resolution,
+                k: keys.k,
+                pcf: keys.pcf,
+                tail: keys.tail,
+                attenuation,
                 raster: keys.raster.raster(),
             }))
         }
@@ -843,6 +953,12 @@ pub fn shadow_settings(shadow: &Shadow) -> Value {
         ),
         Shadow::OpacityShadowMaps(settings) => {
             with_stem(shadow.stem(), json!(OpacityShadowMapsKeys::of(settings)))
+        }
+        Shadow::MomentOpacityMap(settings) => {
+            with_stem(shadow.stem(), json!(MomentOpacityMapKeys::of(settings)))
+        }
+        Shadow::KBufferVolume(settings) => {
+            with_stem(shadow.stem(), json!(KBufferVolumeKeys::of(settings)))
         }
         _ => json!({ "technique": shadow.stem() }),
     }

@@ -36,6 +36,8 @@ struct Drawing {
     hair: u32,
     // The shadow technique's values, in the order in which its files read them.
     map_values: vec4f,
+    // What its fibres do to each channel.
+    map_colour: vec4f,
     // Clip space of this frame and of the one before, y up, from the object space of this frame's and that one's points.
     clip_from_object: mat4x4f,
     previous_clip_from_object: mat4x4f,
@@ -92,6 +94,7 @@ struct ShadowView {
     front_shift: u32,
     padding_0: u32,
     values: vec4f,
+    colour: vec4f,
 }
 
 // A shadow map of the host's.

@@ -14,7 +14,7 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let values = frame.shadow_views[map].values;
     let front = shadow_front(shadow_maps[frame.shadow_views[map].front_base + texel]);
     let behind = shadow_nearest_depth(place, depth, values.z) - front;
-    if !(behind > 0.0) { return ShadowTexel(1.0, 0.0); }
+    if !(behind > 0.0) { return ShadowTexel(vec3f(1.0), 0.0); }
     let optical_depth = (behind * values.x + 1.0) * values.y;
-    return ShadowTexel(exp(-optical_depth), optical_depth);
+    return shadow_passed(optical_depth, map);
 }

@@ -10,7 +10,7 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let count = frame.lights[light].layer_count;
     let extent = frame.shadow_views[map].values.x;
     let behind = (depth - front) / extent;
-    if !(behind > 0.0) { return ShadowTexel(1.0, 0.0); }
+    if !(behind > 0.0) { return ShadowTexel(vec3f(1.0), 0.0); }
     let layer = deep_opacity_layer(behind, count);
     let word = frame.shadow_views[map].layer_base + texel * count + layer;
     var sum = 0.0;
@@ -25,5 +25,5 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let high = deep_opacity_boundary(f32(layer + 1u) / f32(count));
     let part = clamp((behind - low) / (high - low), 0.0, 1.0);
     let others = mix(sum, end, part);
-    return ShadowTexel(exp(-others), others);
+    return shadow_passed(others, map);
 }

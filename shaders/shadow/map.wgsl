@@ -12,8 +12,15 @@ struct ShadowSample {
 
 // The same of one texel, from its front to a depth along the map's axis.
 struct ShadowTexel {
-    transmittance: f32,
+    transmittance: vec3f,
     fibres: f32,
+}
+
+// What an optical depth leaves of the light. Where fibres pass a part of each channel on, their optical depth counts by
+// the rest of it.
+fn shadow_passed(optical_depth: f32, map: u32) -> ShadowTexel {
+    if frame.shadow_views[map].colour.w == 0.0 { return ShadowTexel(vec3f(exp(-optical_depth)), optical_depth); }
+    return ShadowTexel(exp(-optical_depth * frame.shadow_views[map].colour.xyz), optical_depth);
 }
 
 // The map of a light that sees a position: the cube's face by the largest component, or the only map.
@@ -42,7 +49,7 @@ fn shadow_filtered(position: vec3f, light: u32, width: i32) -> ShadowSample {
     let corner = place - 0.5 * f32(width);
     let first = floor(corner);
     let offset = corner - first;
-    var transmittance = 0.0;
+    var transmittance = vec3f(0.0);
     var fibres = 0.0;
     for (var y = 0; y <= width; y++) {
         let row = i32(first.y) + y;
@@ -50,7 +57,7 @@ fn shadow_filtered(position: vec3f, light: u32, width: i32) -> ShadowSample {
         for (var x = 0; x <= width; x++) {
             let column = i32(first.x) + x;
             let weight = weight_y * select(select(1.0, offset.x, x == width), 1.0 - offset.x, x == 0);
-            var texel = ShadowTexel(1.0, 0.0);
+            var texel = ShadowTexel(vec3f(1.0), 0.0);
             if row >= 0 && row < resolution && column >= 0 && column < resolution {
                 texel = shadow_texel(vec2u(vec2i(column, row)), map, light, depth);
             }
@@ -59,7 +66,7 @@ fn shadow_filtered(position: vec3f, light: u32, width: i32) -> ShadowSample {
         }
     }
     let area = f32(width * width);
-    return ShadowSample(vec3f(transmittance / area), fibres / area);
+    return ShadowSample(transmittance / area, fibres / area);
 }
 
 fn shadow(position: vec3f, light: u32) -> ShadowSample {

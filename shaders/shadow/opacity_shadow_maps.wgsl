@@ -9,7 +9,7 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     // Extent and unevenness.
     let values = frame.shadow_views[map].values;
     let at = depth / values.x;
-    if !(at > 0.0) { return ShadowTexel(1.0, 0.0); }
+    if !(at > 0.0) { return ShadowTexel(vec3f(1.0), 0.0); }
     let count = frame.lights[light].layer_count;
     let slab = opacity_slab(at, values.y, count);
     let texel = place.y * frame.lights[light].resolution + place.x;
@@ -25,5 +25,5 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let high = opacity_plane(f32(slab + 1u) / f32(count), values.y);
     let part = clamp((at - low) / (high - low), 0.0, 1.0);
     let optical_depth = mix(before, behind, part);
-    return ShadowTexel(exp(-optical_depth), optical_depth);
+    return shadow_passed(optical_depth, map);
 }

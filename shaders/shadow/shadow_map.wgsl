@@ -7,5 +7,5 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     // Transmittance and optical depth of what lies in shadow, and the margin.
     let values = frame.shadow_views[map].values;
     let hidden = shadow_nearest_depth(place, depth, values.z) > front;
-    return ShadowTexel(select(1.0, values.x, hidden), select(0.0, values.y, hidden));
+    return ShadowTexel(vec3f(select(1.0, values.x, hidden)), select(0.0, values.y, hidden));
 }

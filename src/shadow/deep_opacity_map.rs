@@ -1,6 +1,8 @@
 //! Deep opacity map (Yuksel and Keyser 2008, Hunz §4.2): a front depth a texel, and behind it layers that follow the
 //! hair's shape, each with the sum of -ln(1 - opacity) of its fragments; transmittance is exp(-Ω).
 
+use glam::Vec3;
+
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::{Plan, PlannedMap};
@@ -56,6 +58,8 @@ pub struct DeepOpacityMap {
     /// Depth behind the front at which the last layer ends, as a part of the hair's extent along the light, above 0 and
     /// up to 1. What lies deeper counts in the last layer.
     pub depth: f32,
+    /// The part of each channel that a crossed fibre passes on, from 0 to below 1: all hair's alike.
+    pub transmitted: Vec3,
     /// The rasteriser.
     pub raster: Raster,
 }
@@ -67,6 +71,7 @@ impl Default for DeepOpacityMap {
             layers: 8,
             pcf: 1,
             depth: 1.0,
+            transmitted: Vec3::ZERO,
             raster: Raster::Auto,
         }
     }
@@ -87,7 +92,7 @@ impl DeepOpacityMap {
                 self.depth
             );
         }
-        Ok(())
+        super::validate_transmitted("deep_opacity_map", self.transmitted)
     }
 
     pub(super) fn shape(&self, sight: &Sight) -> Shape {
@@ -99,6 +104,7 @@ impl DeepOpacityMap {
             front_shift: Some(0),
             layers: self.layers,
             values: [extent as f32, 0.0, 0.0, 0.0],
+            colour: super::summed_colour(self.transmitted),
             bias: 0.0,
             raster: self.raster,
         }

@@ -5,14 +5,20 @@
 
 pub mod approximated_deep_shadow_map;
 pub mod deep_opacity_map;
+pub mod k_buffer_volume;
+pub mod moment_opacity_map;
 pub mod none;
 pub mod opacity_shadow_maps;
 pub mod shadow_map;
 
 pub use approximated_deep_shadow_map::ApproximatedDeepShadowMap;
 pub use deep_opacity_map::DeepOpacityMap;
+pub use k_buffer_volume::{Attenuation, KBufferVolume};
+pub use moment_opacity_map::MomentOpacityMap;
 pub use opacity_shadow_maps::OpacityShadowMaps;
 pub use shadow_map::ShadowMap;
+
+use glam::Vec3;
 
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Passes};
@@ -36,6 +42,10 @@ pub enum Shadow {
     ApproximatedDeepShadowMap(ApproximatedDeepShadowMap),
     /// Kim and Neumann 2001 (Kim §4).
     OpacityShadowMaps(OpacityShadowMaps),
+    /// Moments of each texel's optical depths, after Peters and Klein 2015 and Münstermann et al. 2018.
+    MomentOpacityMap(MomentOpacityMap),
+    /// Yu et al. 2012, §3.1.
+    KBufferVolume(KBufferVolume),
 }
 
 /// What finds a point's own fibre, beside the look-up.
@@ -56,6 +66,8 @@ impl Shadow {
             Self::ShadowMap(_) => "shadow_map",
             Self::ApproximatedDeepShadowMap(_) => "approximated_deep_shadow_map",
             Self::OpacityShadowMaps(_) => "opacity_shadow_maps",
+            Self::MomentOpacityMap(_) => "moment_opacity_map",
+            Self::KBufferVolume(_) => "k_buffer_volume",
         }
     }
 
@@ -70,6 +82,8 @@ impl Shadow {
             Self::ShadowMap(settings) => settings.validate(),
             Self::ApproximatedDeepShadowMap(settings) => settings.validate(),
             Self::OpacityShadowMaps(settings) => settings.validate(),
+            Self::MomentOpacityMap(settings) => settings.validate(),
+            Self::KBufferVolume(settings) => settings.validate(),
         }
     }
 
@@ -81,6 +95,8 @@ impl Shadow {
             Self::ShadowMap(settings) => Some(settings.shape(sight)),
             Self::ApproximatedDeepShadowMap(settings) => Some(settings.shape(sight)),
             Self::OpacityShadowMaps(settings) => Some(settings.shape(sight)),
+            Self::MomentOpacityMap(settings) => Some(settings.shape(sight)),
+            Self::KBufferVolume(settings) => Some(settings.shape(sight)),
         }
     }
 
@@ -92,6 +108,8 @@ impl Shadow {
             Self::ShadowMap(_) => shadow_map::LOOK_UP,
             Self::ApproximatedDeepShadowMap(_) => approximated_deep_shadow_map::LOOK_UP,
             Self::OpacityShadowMaps(_) => opacity_shadow_maps::LOOK_UP,
+            Self::MomentOpacityMap(_) => moment_opacity_map::LOOK_UP,
+            Self::KBufferVolume(_) => k_buffer_volume::LOOK_UP,
         }
     }
 
@@ -108,6 +126,8 @@ impl Shadow {
             Self::ShadowMap(_) => 2,
             Self::ApproximatedDeepShadowMap(_) => 3,
             Self::OpacityShadowMaps(_) => 4,
+            Self::MomentOpacityMap(_) => 5,
+            Self::KBufferVolume(_) => 6,
         }
     }
 
@@ -117,7 +137,9 @@ impl Shadow {
             Self::None
             | Self::DeepOpacityMap(_)
             | Self::ShadowMap(_)
-            | Self::OpacityShadowMaps(_) => false,
+            | Self::OpacityShadowMaps(_)
+            | Self::MomentOpacityMap(_)
+            | Self::KBufferVolume(_) => false,
             Self::ApproximatedDeepShadowMap(settings) => {
                 settings.opacity.is_none() || settings.spacing.is_none()
             }
@@ -186,6 +208,9 @@ pub(crate) struct Shape {
     pub layers: u32,
     /// What the technique's files read as `drawing.map_values` and `shadow_views[…].values`.
     pub values: [f32; 4],
+    /// What they read as `drawing.map_colour` and `shadow_views[…].colour`. In techniques that sum optical depths: by how
+    /// much these count in each channel, and 1; zeros where light is grey.
+    pub colour: [f32; 4],
     pub bias: f64,
     pub raster: Raster,
 }
@@ -208,6 +233,27 @@ fn validate_map(stem: &str, resolution: u32, pcf: u32) -> Result<()> {
         return invalid!("{stem}: pcf {pcf} is not 1, 3 or 5");
     }
     Ok(())
+}
+
+/// Checks what a fibre passes on of the light that meets it.
+fn validate_transmitted(stem: &str, transmitted: Vec3) -> Result<()> {
+    let within = transmitted.cmpge(Vec3::ZERO).all() && transmitted.cmplt(Vec3::ONE).all();
+    if !within {
+        let Vec3 { x, y, z } = transmitted;
+        return invalid!(
+            "{stem}: transmitted ({x}, {y}, {z}) has a component that is not from 0 to below 1"
+        );
+    }
+    Ok(())
+}
+
+/// The colour of a map that sums optical depths. A crossing by a fibre of opacity × coverage o leaves 1 - o (1 - t) of a
+/// channel of which t is passed on; for small o that is (1 - o) to the power of 1 - t, which sums of logarithms can carry.
+fn summed_colour(transmitted: Vec3) -> [f32; 4] {
+    if transmitted == Vec3::ZERO {
+        return [0.0; 4];
+    }
+    (Vec3::ONE - transmitted).extend(1.0).into()
 }
 
 /// Hands every fragment of a map to an emission.
@@ -247,5 +293,7 @@ pub(crate) fn record(
             approximated_deep_shadow_map::record(gpu, passes, bound, map, plan)
         }
         Shadow::OpacityShadowMaps(_) => opacity_shadow_maps::record(gpu, passes, bound, map, plan),
+        Shadow::MomentOpacityMap(_) => moment_opacity_map::record(gpu, passes, bound, map, plan),
+        Shadow::KBufferVolume(_) => k_buffer_volume::record(gpu, passes, bound, map, plan),
     }
 }

@@ -91,6 +91,7 @@ impl OpacityShadowMaps {
             front_shift: None,
             layers: self.layers,
             values: [sight.extent as f32, self.unevenness, 0.0, 0.0],
+            colour: [0.0; 4],
             bias: 0.0,
             raster: self.raster,
         }

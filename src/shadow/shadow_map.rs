@@ -87,6 +87,7 @@ impl ShadowMap {
                 sight.bias(self.resolution, 1) as f32,
                 0.0,
             ],
+            colour: [0.0; 4],
             bias: 0.0,
             raster: self.raster,
         }

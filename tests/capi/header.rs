@@ -212,6 +212,28 @@ fn initialisers() -> String {
         layers,
         pcf,
         depth,
+        raster,
+        transmitted
+    );
+    initialiser!(
+        PelageMomentOpacityMap,
+        "PELAGE_MOMENT_OPACITY_MAP_INIT",
+        resolution,
+        moments,
+        pcf,
+        transmitted,
+        raster
+    );
+    initialiser!(
+        PelageKBufferVolume,
+        "PELAGE_K_BUFFER_VOLUME_INIT",
+        resolution,
+        k,
+        pcf,
+        tail,
+        attenuation,
+        eta,
+        sigma_a,
         raster
     );
     initialiser!(
@@ -221,7 +243,9 @@ fn initialisers() -> String {
         deep_opacity_map,
         shadow_map,
         approximated_deep_shadow_map,
-        opacity_shadow_maps
+        opacity_shadow_maps,
+        moment_opacity_map,
+        k_buffer_volume
     );
     initialiser!(
         PelageShadowMap,

@@ -250,6 +250,8 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageChiang,
         PelageShading,
         PelageDeepOpacityMap,
+        PelageMomentOpacityMap,
+        PelageKBufferVolume,
         PelageShadow,
         PelageOpaque,
         PelageABuffer,

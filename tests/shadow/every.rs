@@ -3,7 +3,8 @@
 use pelage::glam::{DMat4, DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, Strands, builtin};
 use pelage::shadow::{
-    ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap,
 };
 use pelage::{Frame, Hair, Light, LightKind, Raster, Target, View};
 use pelage_reference::composite::Image;
@@ -13,6 +14,10 @@ use crate::common::scenes::{WHITE, pixel_view, portrait, unshadowed};
 use crate::common::{Device, device};
 
 use super::support::{HALF_FLOATS, OPAQUE, directional, draw, light, ratios};
+
+/// Moments do not tell a texel's first fibre from what lies close behind it: of the light of the first fibre 0.95 and 0.87 were
+/// measured below.
+const MOMENTS: &str = "moment_opacity_map";
 
 /// Every technique that has maps, of a size, at its defaults.
 fn techniques(resolution: u32, raster: Raster) -> Vec<Shadow> {
@@ -43,6 +48,16 @@ fn techniques(resolution: u32, raster: Raster) -> Vec<Shadow> {
                 raster,
                 ..settings
             }),
+            Shadow::MomentOpacityMap(settings) => Shadow::MomentOpacityMap(MomentOpacityMap {
+                resolution,
+                raster,
+                ..settings
+            }),
+            Shadow::KBufferVolume(settings) => Shadow::KBufferVolume(KBufferVolume {
+                resolution,
+                raster,
+                ..settings
+            }),
             other => panic!("{} has no place in this list", other.stem()),
         })
         .collect()
@@ -60,6 +75,12 @@ fn unfiltered(shadow: Shadow) -> Shadow {
         }
         Shadow::DeepOpacityMap(settings) => {
             Shadow::DeepOpacityMap(DeepOpacityMap { pcf: 1, ..settings })
+        }
+        Shadow::MomentOpacityMap(settings) => {
+            Shadow::MomentOpacityMap(MomentOpacityMap { pcf: 1, ..settings })
+        }
+        Shadow::KBufferVolume(settings) => {
+            Shadow::KBufferVolume(KBufferVolume { pcf: 1, ..settings })
         }
         other => panic!("{} has no place in this list", other.stem()),
     }
@@ -168,7 +189,8 @@ fn transmittance_never_rises_along_the_ray() {
             assert!(pair[1] <= pair[0] + HALF_FLOATS, "{stem}: {passed:.3?}");
         }
         let (first, last) = (passed[0], passed[27]);
-        assert!(first > 0.98 && last < 0.7, "{stem}: {first} to {last}");
+        let lit = if *stem == *MOMENTS { 0.93 } else { 0.98 };
+        assert!(first > lit && last < 0.7, "{stem}: {first} to {last}");
     }
 }
 
@@ -443,8 +465,9 @@ fn strands_longer_than_a_map_are_shadowed_on_both_sides_of_its_rim() {
             // Rows 32 - 2 i: the first is lit, the third is not.
             let (first, third) = (at(29), at(25));
             eprintln!("{stem}, column {x}: {first:.3}, {third:.3}");
+            let lit = if *stem == *MOMENTS { 0.8 } else { 0.9 };
             assert!(
-                first > 0.9 && third < 0.5,
+                first > lit && third < 0.5,
                 "{stem}, column {x}: {first:.3}, {third:.3}"
             );
         }

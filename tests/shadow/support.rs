@@ -5,7 +5,7 @@ use pelage::raster::Raster;
 use pelage::shadow::Shadow;
 use pelage::testing::{LightMap, light_map};
 use pelage::transparency::{Opaque, Transparency};
-use pelage::{Frame, Hair, Light, LightKind, View};
+use pelage::{Frame, Hair, Light, LightKind, View, wgpu};
 use pelage_reference::composite::{self, Image};
 use pelage_reference::fragments::fragment_lists;
 use pelage_reference::scene::Camera;
@@ -170,4 +170,57 @@ pub fn modelled(
         }
     }
     passed
+}
+
+/// Runs a module's entry `evaluate`, which has `array<f32>` at bindings 0 (read) and 1 (written) of group 1, over 64
+/// invocations a workgroup.
+pub fn evaluate(device: &Device, source: &str, input: &[f32], outputs: usize) -> Vec<f64> {
+    let gpu = device.renderer.device();
+    let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("test.evaluate"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("test.evaluate"),
+        layout: None,
+        module: &module,
+        entry_point: Some("evaluate"),
+        compilation_options: Default::default(),
+        cache: None,
+    });
+    let buffer = |size: usize, usage| {
+        gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: 4 * size as u64,
+            usage,
+            mapped_at_creation: false,
+        })
+    };
+    use wgpu::BufferUsages as Usage;
+    let inputs = buffer(input.len(), Usage::STORAGE | Usage::COPY_DST);
+    let values = buffer(outputs, Usage::STORAGE | Usage::COPY_SRC);
+    let returned = buffer(outputs, Usage::MAP_READ | Usage::COPY_DST);
+    let queue = device.renderer.queue();
+    queue.write_buffer(&inputs, 0, bytemuck::cast_slice(input));
+    let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(1),
+        entries: &[(0, &inputs), (1, &values)].map(|(binding, buffer)| wgpu::BindGroupEntry {
+            binding,
+            resource: buffer.as_entire_binding(),
+        }),
+    });
+    let mut encoder = gpu.create_command_encoder(&Default::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(1, &group, &[]);
+        pass.dispatch_workgroups((outputs as u32).div_ceil(64), 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&values, 0, &returned, 0, None);
+    queue.submit([encoder.finish()]);
+    returned.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+    gpu.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let values: Vec<f32> = bytemuck::pod_collect_to_vec(&returned.get_mapped_range(..).unwrap());
+    values.into_iter().map(f64::from).collect()
 }

@@ -10,7 +10,8 @@ use pelage::shading::{
     Tables,
 };
 use pelage::shadow::{
-    ApproximatedDeepShadowMap, DeepOpacityMap, OpacityShadowMaps, Shadow, ShadowMap,
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap,
 };
 use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
 use serde_json::Value;
@@ -259,6 +260,39 @@ fn shadows(quick: bool) -> Vec<Shadow> {
                     ..DeepOpacityMap::default()
                 }));
             }
+        }
+    }
+    shadows.extend(volume_shadows(resolutions));
+    shadows
+}
+
+/// Moment opacity maps and k-buffer volumes over their settings.
+fn volume_shadows(resolutions: &[u32]) -> Vec<Shadow> {
+    let mut shadows = Vec::new();
+    for &resolution in resolutions {
+        for pcf in [1, 3] {
+            shadows.extend([4, 6].map(|moments| {
+                Shadow::MomentOpacityMap(MomentOpacityMap {
+                    resolution,
+                    moments,
+                    pcf,
+                    ..MomentOpacityMap::default()
+                })
+            }));
+        }
+        // 64 events of 1024² texels are more than a binding holds.
+        for k in [4, 8, 16, 64]
+            .into_iter()
+            .filter(|k| resolution * resolution * k <= 1 << 24)
+        {
+            shadows.extend([false, true].map(|tail| {
+                Shadow::KBufferVolume(KBufferVolume {
+                    resolution,
+                    k,
+                    tail,
+                    ..KBufferVolume::default()
+                })
+            }));
         }
     }
     shadows
