@@ -1766,10 +1766,10 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_HAIR_INFO_INIT { sizeof(PelageHairInfo), 0, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_KAJIYA_KAY_INIT { sizeof(PelageKajiyaKay), { 0.2324944f, 0.18368948f, 0.09059402f }, { 0.09f, 0.09f, 0.09f }, 60.0f }
 #define PELAGE_SCHEUERMANN_INIT { sizeof(PelageScheuermann), { 0.2324944f, 0.18368948f, 0.09059402f }, { { 0.06f, 0.06f, 0.06f }, 120.0f, 0.07f }, { { 0.2324944f, 0.18368948f, 0.09059402f }, 30.0f, -0.1f } }
-#define PELAGE_MARSCHNER_INIT { sizeof(PelageMarschner), 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { -0.1308997f, 0.06544985f, 0.19634955f }, { 0.1308997f, 0.06544985f, 0.2617994f }, 1.0f, 0, 1, 0.2617994f, 0.5f, 0.3f, 0.5f, { 1.0f, 1.0f, 1.0f }, 64, 0, 0, 1.0f, 1.0f }
-#define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 1.0f }
-#define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 1.0f }
-#define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL }
+#define PELAGE_MARSCHNER_INIT { sizeof(PelageMarschner), 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { -0.1308997f, 0.06544985f, 0.19634955f }, { 0.1308997f, 0.06544985f, 0.2617994f }, 1.0f, 0, 1, 0.2617994f, 0.5f, 0.3f, 0.5f, { 1.0f, 1.0f, 1.0f }, 64, 0, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f }
+#define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f }
+#define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f, 0 }
+#define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 1, 1.0f, 0, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_MOMENT_OPACITY_MAP_INIT { sizeof(PelageMomentOpacityMap), 512, 6, 3, { 0.0f, 0.0f, 0.0f }, 0 }
 #define PELAGE_K_BUFFER_VOLUME_INIT { sizeof(PelageKBufferVolume), 512, 16, 3, 1, 0, 1.55f, { 0.0f, 0.0f, 0.0f }, 0 }

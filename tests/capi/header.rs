@@ -161,7 +161,10 @@ fn initialisers() -> String {
         table_precision,
         dual_scattering,
         forward_density,
-        backward_density
+        backward_density,
+        roughness_strand,
+        roughness_tip,
+        lobe_tolerance
     );
     initialiser!(
         PelageSadeghi,
@@ -177,7 +180,10 @@ fn initialisers() -> String {
         tip_colour,
         dual_scattering,
         forward_density,
-        backward_density
+        backward_density,
+        roughness_strand,
+        roughness_tip,
+        lobe_tolerance
     );
     initialiser!(
         PelageChiang,
@@ -193,7 +199,11 @@ fn initialisers() -> String {
         table_precision,
         dual_scattering,
         forward_density,
-        backward_density
+        backward_density,
+        roughness_strand,
+        roughness_tip,
+        lobe_tolerance,
+        near_field
     );
     initialiser!(
         PelageShading,
@@ -203,7 +213,9 @@ fn initialisers() -> String {
         scheuermann,
         marschner,
         sadeghi,
-        chiang
+        chiang,
+        rate,
+        reserved
     );
     initialiser!(
         PelageDeepOpacityMap,
