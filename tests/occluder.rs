@@ -3,6 +3,7 @@
 use pelage::glam::{DMat4, DVec3, DVec4, Vec3, Vec4Swizzles};
 use pelage::groom::{BuiltinGroom, builtin};
 use pelage::raster::Raster;
+use pelage::shading::ShadingRate;
 use pelage::shadow::Shadow;
 use pelage::transparency::{Opaque, Transparency};
 use pelage::{Frame, Light, Occluder, Subresource, Target};
@@ -225,6 +226,24 @@ fn occluders_out_of_range_are_named() {
             "{error}"
         );
     }
+    let strands = builtin(BuiltinGroom::Straight, 20).unwrap();
+    let mut hair = device.renderer.create_hair(&strands).unwrap();
+    hair.shading_rate = ShadingRate::Fragment;
+    let one = [good];
+    let target = Target {
+        occluders: &one,
+        ..Target::cleared(&image.colour)
+    };
+    let at_fragments = Frame {
+        hairs: &[&hair],
+        ..frame
+    };
+    let error = device.render(&at_fragments, &target).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("occluders") && error.contains("shading rate Fragment"),
+        "{error}"
+    );
     let many = [good; 9];
     let target = Target {
         occluders: &many,
