@@ -838,7 +838,6 @@ fn fibres(frame: &Frame, placed: &[Placed], with_density: bool) -> Fibres {
         opacity: over(fibres.opacity, areas),
         diameter: over(areas, lengths),
         area_density: over(areas, volumes),
-        ..fibres
     }
 }
 
