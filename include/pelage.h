@@ -138,7 +138,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // At strand points, once a view; a fragment's colour is interpolated along its segment.
 #define PELAGE_SHADING_RATE_POINT 0
 
-// At each fragment that the transparency technique keeps, at its own position.
+// At each fragment that the transparency technique keeps, at its own position. Refused with weighted blended, depth peeling,
+// random subsets, sorted blending, the single-pass k-buffer, moments, and the k+-buffer with `PELAGE_REST_MERGED`, which need
+// colours before they know what they keep.
 #define PELAGE_SHADING_RATE_FRAGMENT 1
 
 // Of the exact exit angle.
@@ -210,6 +212,30 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
 #define PELAGE_TRANSPARENCY_DBK_BUFFER 10
 
+// McGuire and Bavoil 2013: the mean of all fragments weighed by depth, at their exact opacity.
+#define PELAGE_TRANSPARENCY_WEIGHTED_BLENDED 4
+
+// Everitt 2001: the nearest fragments found one after the other, the rest merged.
+#define PELAGE_TRANSPARENCY_DEPTH_PEELING 5
+
+// Hunz 2016: the nearest fragment of each of some random subsets of the strands.
+#define PELAGE_TRANSPARENCY_RANDOM_SUBSETS 3
+
+// Kim 2003: segments sorted into bins of depth, and blended in that order.
+#define PELAGE_TRANSPARENCY_SORTED_BLENDING 2
+
+// Every fragment stored, the K nearest of each pixel sorted and composited (Yu et al. 2012).
+#define PELAGE_TRANSPARENCY_K_BUFFER 6
+
+// The K nearest fragments of each pixel stored and composited (Vasilakis and Fudos 2014, Hunz 2016).
+#define PELAGE_TRANSPARENCY_K_PLUS_BUFFER 7
+
+// Fragments linked in order as they come, unless K nearer ones are there (Yu et al. 2012).
+#define PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS 8
+
+// Colours weighted by a transmittance that moments of optical depth give (Muenstermann et al. 2018, Sharpe 2018).
+#define PELAGE_TRANSPARENCY_MOMENT 9
+
 // The library chooses.
 #define PELAGE_RASTER_AUTO 0
 
@@ -224,6 +250,48 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Per-pixel linked lists.
 #define PELAGE_STORAGE_LISTS 1
+
+// Every fragment weighs the same.
+#define PELAGE_WEIGHT_UNIFORM 0
+
+// Opacity times the third power of the distance from the hair's far end.
+#define PELAGE_WEIGHT_CUBIC 1
+
+// exp(-falloff d), d from 0 at the hair's near end to 1 at its far one.
+#define PELAGE_WEIGHT_EXPONENTIAL 2
+
+// Farthest segments first, each over what is there.
+#define PELAGE_BLEND_ORDER_BACK_TO_FRONT 0
+
+// Nearest segments first, each under what is there.
+#define PELAGE_BLEND_ORDER_FRONT_TO_BACK 1
+
+// What lies behind the K nearest is one layer of exact opacity, in the mean of its own colours.
+#define PELAGE_REST_MERGED 0
+
+// It is one layer of exact opacity, in the mean colour of the K.
+#define PELAGE_REST_ALPHA 1
+
+// It is left out, as published.
+#define PELAGE_REST_DROPPED 2
+
+// 64-bit atomics where the device was opened with them, else 32-bit ones.
+#define PELAGE_ATOMICS_AUTO 0
+
+// 64-bit atomics, in one pass; on a device without them rendering fails with PELAGE_UNSUPPORTED.
+#define PELAGE_ATOMICS_64 1
+
+// 32-bit atomics, in two passes.
+#define PELAGE_ATOMICS_32 2
+
+// One way through a pixel's list selects all K (Yu et al. 2012).
+#define PELAGE_SELECTION_REGISTERS 0
+
+// It selects eight.
+#define PELAGE_SELECTION_ROUNDS 1
+
+// It selects one: a selection sort (Yang et al. 2010), for comparison.
+#define PELAGE_SELECTION_SORT 2
 
 // Straight segments between the points.
 #define PELAGE_CURVE_POLYLINE 0
@@ -613,6 +681,8 @@ typedef struct PelageMarschner {
     float roughness_tip;
     // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
     float lobe_tolerance;
+    // How much its fibres lie in other directions, from 0, combed hair, to 1.
+    float disorder;
 } PelageMarschner;
 
 // One lobe of Sadeghi's model.
@@ -661,6 +731,8 @@ typedef struct PelageSadeghi {
     float roughness_tip;
     // Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
     float lobe_tolerance;
+    // How much its fibres lie in other directions, from 0, combed hair, to 1.
+    float disorder;
 } PelageSadeghi;
 
 // Chiang et al. 2016, d'Eon et al. 2011.
@@ -700,6 +772,8 @@ typedef struct PelageChiang {
     // 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
     // the mean over their width.
     uint32_t near_field;
+    // How much its fibres lie in other directions, from 0, combed hair, to 1.
+    float disorder;
 } PelageChiang;
 
 // A shading model with its parameters.
@@ -886,6 +960,114 @@ typedef struct PelageDbkBuffer {
     uint64_t pool_bytes;
 } PelageDbkBuffer;
 
+// Settings of weighted blended transparency. 28 bytes a pixel.
+typedef struct PelageWeightedBlended {
+    // `sizeof(PelageWeightedBlended)`.
+    uint32_t struct_size;
+    // `PELAGE_WEIGHT_...`.
+    uint32_t weight;
+    // For `PELAGE_WEIGHT_EXPONENTIAL`, from 0 to 100: the hair's optical depth.
+    float falloff;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageWeightedBlended;
+
+// Settings of depth peeling. 56 bytes a pixel.
+typedef struct PelageDepthPeeling {
+    // `sizeof(PelageDepthPeeling)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that are composited in their order, from 1 to 1024; what lies behind them is merged.
+    uint32_t peels;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageDepthPeeling;
+
+// Settings of random subsets. 12 bytes a pixel and subset, and 4 a pixel for the exact opacity.
+typedef struct PelageRandomSubsets {
+    // `sizeof(PelageRandomSubsets)`.
+    uint32_t struct_size;
+    // Subsets, from 1 to 32.
+    uint32_t subsets;
+    // What strands are parted by: another seed, another picture.
+    uint32_t seed;
+    // 1: a pixel has the opacity of all its fragments; 0: as published, only that of those that are kept.
+    uint32_t exact_alpha;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageRandomSubsets;
+
+// Settings of sorted blending. It draws ribbons, whatever their width.
+typedef struct PelageSortedBlending {
+    // `sizeof(PelageSortedBlending)`.
+    uint32_t struct_size;
+    // Bins of depth, from 1 to 4096.
+    uint32_t bins;
+    // `PELAGE_BLEND_ORDER_...`.
+    uint32_t order;
+    // Frames after a sorted one that take its order, as long as they draw the same hair; 0: every frame is sorted.
+    uint32_t reuse;
+    // 0: blended as 16-bit floats, 8 bytes a pixel; 1: as 32-bit floats where the device blends these, 16 bytes a pixel.
+    uint32_t full_precision;
+} PelageSortedBlending;
+
+// Settings of the k-buffer.
+typedef struct PelageKBuffer {
+    // `sizeof(PelageKBuffer)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that keep their order, from 1 to 64.
+    uint32_t k;
+    // `PELAGE_REST_...`.
+    uint32_t rest;
+    // `PELAGE_SELECTION_...`; the picture does not depend on it.
+    uint32_t selection;
+    // `PELAGE_STORAGE_...`.
+    uint32_t storage;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageKBuffer;
+
+// Settings of the k+-buffer.
+typedef struct PelageKPlusBuffer {
+    // `sizeof(PelageKPlusBuffer)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that are kept, from 1 to 64, in 8 bytes each.
+    uint32_t k;
+    // `PELAGE_REST_...`.
+    uint32_t rest;
+    // `PELAGE_ATOMICS_...`; the picture does not depend on it.
+    uint32_t atomics;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageKPlusBuffer;
+
+// Settings of the single-pass k-buffer.
+typedef struct PelageKBufferSinglePass {
+    // `sizeof(PelageKBufferSinglePass)`.
+    uint32_t struct_size;
+    // Fragments of a pixel that keep their order, from 1 to 64.
+    uint32_t k;
+    // `PELAGE_REST_...`.
+    uint32_t rest;
+    // How often a fragment tries again, where others were faster, before it is merged: up to 255.
+    uint32_t retries;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+    // 0.
+    uint32_t reserved;
+    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    uint64_t pool_bytes;
+} PelageKBufferSinglePass;
+
+// Settings of moment-based transparency.
+typedef struct PelageMoment {
+    // `sizeof(PelageMoment)`.
+    uint32_t struct_size;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageMoment;
+
 // A transparency technique with its settings.
 typedef struct PelageTransparency {
     // `sizeof(PelageTransparency)`.
@@ -898,6 +1080,22 @@ typedef struct PelageTransparency {
     const struct PelageABuffer *a_buffer;
     // For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
     const struct PelageDbkBuffer *dbk_buffer;
+    // For `PELAGE_TRANSPARENCY_WEIGHTED_BLENDED`; NULL: as `PELAGE_WEIGHTED_BLENDED_INIT`.
+    const struct PelageWeightedBlended *weighted_blended;
+    // For `PELAGE_TRANSPARENCY_DEPTH_PEELING`; NULL: as `PELAGE_DEPTH_PEELING_INIT`.
+    const struct PelageDepthPeeling *depth_peeling;
+    // For `PELAGE_TRANSPARENCY_RANDOM_SUBSETS`; NULL: as `PELAGE_RANDOM_SUBSETS_INIT`.
+    const struct PelageRandomSubsets *random_subsets;
+    // For `PELAGE_TRANSPARENCY_SORTED_BLENDING`; NULL: as `PELAGE_SORTED_BLENDING_INIT`.
+    const struct PelageSortedBlending *sorted_blending;
+    // For `PELAGE_TRANSPARENCY_K_BUFFER`; NULL: as `PELAGE_K_BUFFER_INIT`.
+    const struct PelageKBuffer *k_buffer;
+    // For `PELAGE_TRANSPARENCY_K_PLUS_BUFFER`; NULL: as `PELAGE_K_PLUS_BUFFER_INIT`.
+    const struct PelageKPlusBuffer *k_plus_buffer;
+    // For `PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS`; NULL: as `PELAGE_K_BUFFER_SINGLE_PASS_INIT`.
+    const struct PelageKBufferSinglePass *k_buffer_single_pass;
+    // For `PELAGE_TRANSPARENCY_MOMENT`; NULL: as `PELAGE_MOMENT_INIT`.
+    const struct PelageMoment *moment;
 } PelageTransparency;
 
 // How a target is made.
@@ -1009,11 +1207,12 @@ typedef struct PelageStatistics {
     // Fragments that the rasteriser found within the view's depth range, like all counts of fragments below of the latest
     // frame whose counters have come back: after `pelage_wait`, the latest.
     uint64_t fragments_produced;
-    // Of these, dropped before they were stored, since they cannot be seen.
+    // Of these, dropped before they were stored: since they cannot be seen, or since the technique leaves out what it does
+    // not keep.
     uint64_t fragments_culled;
     // Stored one by one.
     uint64_t fragments_stored;
-    // Merged into a pixel's tail, since the pool was too small.
+    // Merged into one layer of their pixel: since the pool was too small, or since the technique stores fewer or none.
     uint64_t fragments_merged;
     // Pixels that hold a fragment; counted arrays only, 0 elsewhere.
     uint64_t covered_pixels;
@@ -1766,9 +1965,9 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_HAIR_INFO_INIT { sizeof(PelageHairInfo), 0, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_KAJIYA_KAY_INIT { sizeof(PelageKajiyaKay), { 0.2324944f, 0.18368948f, 0.09059402f }, { 0.09f, 0.09f, 0.09f }, 60.0f }
 #define PELAGE_SCHEUERMANN_INIT { sizeof(PelageScheuermann), { 0.2324944f, 0.18368948f, 0.09059402f }, { { 0.06f, 0.06f, 0.06f }, 120.0f, 0.07f }, { { 0.2324944f, 0.18368948f, 0.09059402f }, 30.0f, -0.1f } }
-#define PELAGE_MARSCHNER_INIT { sizeof(PelageMarschner), 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { -0.1308997f, 0.06544985f, 0.19634955f }, { 0.1308997f, 0.06544985f, 0.2617994f }, 1.0f, 0, 1, 0.2617994f, 0.5f, 0.3f, 0.5f, { 1.0f, 1.0f, 1.0f }, 64, 0, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f }
-#define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f }
-#define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 1.0f, 0.0f, 1.0f, 0.0f, 0 }
+#define PELAGE_MARSCHNER_INIT { sizeof(PelageMarschner), 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { -0.1308997f, 0.06544985f, 0.19634955f }, { 0.1308997f, 0.06544985f, 0.2617994f }, 1.0f, 0, 1, 0.2617994f, 0.5f, 0.3f, 0.5f, { 1.0f, 1.0f, 1.0f }, 64, 0, 0, 1.0f, 0.7f, 0.0f, 1.0f, 0.0f, 1.0f }
+#define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 0.7f, 0.0f, 1.0f, 0.0f, 1.0f }
+#define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 0.7f, 0.0f, 1.0f, 0.0f, 0, 1.0f }
 #define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 1, 1.0f, 0, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_MOMENT_OPACITY_MAP_INIT { sizeof(PelageMomentOpacityMap), 512, 6, 3, { 0.0f, 0.0f, 0.0f }, 0 }
@@ -1779,7 +1978,15 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_OPACITY_SHADOW_MAPS_INIT { sizeof(PelageOpacityShadowMaps), 512, 64, 0.0f, 3, 0 }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
-#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 10, NULL, NULL, NULL }
+#define PELAGE_WEIGHTED_BLENDED_INIT { sizeof(PelageWeightedBlended), 2, 4.0f, 0 }
+#define PELAGE_DEPTH_PEELING_INIT { sizeof(PelageDepthPeeling), 16, 0 }
+#define PELAGE_RANDOM_SUBSETS_INIT { sizeof(PelageRandomSubsets), 8, 0, 1, 0 }
+#define PELAGE_SORTED_BLENDING_INIT { sizeof(PelageSortedBlending), 1024, 0, 0, 0 }
+#define PELAGE_K_BUFFER_INIT { sizeof(PelageKBuffer), 16, 0, 0, 0, 0, 0 }
+#define PELAGE_K_PLUS_BUFFER_INIT { sizeof(PelageKPlusBuffer), 8, 1, 0, 0 }
+#define PELAGE_K_BUFFER_SINGLE_PASS_INIT { sizeof(PelageKBufferSinglePass), 8, 0, 32, 0, 0, 0 }
+#define PELAGE_MOMENT_INIT { sizeof(PelageMoment), 0 }
+#define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 10, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_DBK_BUFFER_INIT { sizeof(PelageDbkBuffer), 0.00390625f, 0.0f, 0, 0 }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL, 0.4f, 0.5f }

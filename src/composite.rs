@@ -187,9 +187,10 @@ pub(crate) fn record(
         } else {
             "composite"
         },
-        groups: match shader {
-            None => &[Group::Frame, Group::PixelsRead],
-            Some(_) => &[
+        groups: match (transparency::read_group(&plan.transparency), shader) {
+            (Group::BlendedRead, _) => &[Group::Frame, Group::BlendedRead],
+            (_, None) => &[Group::Frame, Group::PixelsRead],
+            (_, Some(_)) => &[
                 Group::Frame,
                 Group::TablesRead,
                 Group::MapsRead,
@@ -231,7 +232,7 @@ pub(crate) fn record(
             pass.set_bind_group(1, tables, &[]);
             pass.set_bind_group(2, bound.maps_read, &[]);
         }
-        pass.set_bind_group(3, bound.pixels_read, &[]);
+        pass.set_bind_group(3, bound.read(plan), &[]);
         pass.draw(0..3, 0..1);
     });
     Ok(())
@@ -277,7 +278,10 @@ pub(crate) fn outputs(
             .with("TRACKED", Constant::Bool(tracked)),
         vertex: "fullscreen_vertex",
         fragment: "outputs",
-        groups: &[Group::Frame, Group::PointOutputs, Group::PixelsRead],
+        groups: match transparency::read_group(&plan.transparency) {
+            Group::BlendedRead => &[Group::Frame, Group::PointOutputs, Group::BlendedRead],
+            _ => &[Group::Frame, Group::PointOutputs, Group::PixelsRead],
+        },
         topology: wgpu::PrimitiveTopology::TriangleList,
         targets: output_targets(&formats),
         depth_stencil: None,
@@ -292,7 +296,7 @@ pub(crate) fn outputs(
                 &[0, band.drawings[0], plan.runs[0].material],
             );
             pass.set_bind_group(1, bound.point_outputs, &[]);
-            pass.set_bind_group(3, bound.pixels_read, &[]);
+            pass.set_bind_group(3, bound.read(plan), &[]);
             pass.draw(0..3, 0..1);
         });
     });

@@ -31,9 +31,12 @@ pub(crate) enum Group {
     PixelsWritten,
     PixelsRead,
     Occluders,
+    /// What sorted blending sorts, and the image that it blends into.
+    Sorting,
+    BlendedRead,
 }
 
-const GROUPS: [Group; 17] = [
+const GROUPS: [Group; 19] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
@@ -51,6 +54,8 @@ const GROUPS: [Group; 17] = [
     Group::PixelsWritten,
     Group::PixelsRead,
     Group::Occluders,
+    Group::Sorting,
+    Group::BlendedRead,
 ];
 
 /// Storage buffers of the pixel groups; all but the last are written by emitting passes.
@@ -72,7 +77,11 @@ impl Group {
             | Self::Gather
             | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
-            Self::PixelsWritten | Self::PixelsRead | Self::Occluders => 3,
+            Self::PixelsWritten
+            | Self::PixelsRead
+            | Self::Occluders
+            | Self::Sorting
+            | Self::BlendedRead => 3,
         }
     }
 
@@ -154,6 +163,24 @@ impl Group {
             Self::PixelsRead => (0..PIXEL_BUFFERS)
                 .map(|binding| storage(binding, Stages::FRAGMENT, true))
                 .collect(),
+            Self::Sorting => (0..2)
+                .map(|binding| storage(binding, Stages::COMPUTE, false))
+                .collect(),
+            Self::BlendedRead => {
+                let image = wgpu::BindGroupLayoutEntry {
+                    binding: 0,
+                    visibility: Stages::FRAGMENT,
+                    ty: wgpu::BindingType::Texture {
+                        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                        view_dimension: wgpu::TextureViewDimension::D2,
+                        multisampled: false,
+                    },
+                    count: None,
+                };
+                std::iter::once(image)
+                    .chain((1..3).map(|binding| storage(binding, Stages::FRAGMENT, true)))
+                    .collect()
+            }
         }
     }
 }
@@ -191,16 +218,29 @@ impl Ledger {
     }
 }
 
-/// A buffer whose bytes are on the ledger.
+/// Bytes on the ledger, until this is dropped.
 #[derive(Debug)]
-pub(crate) struct Allocation {
-    pub buffer: wgpu::Buffer,
+struct Booking {
     label: &'static str,
     size: u64,
     ledger: Arc<Mutex<Ledger>>,
 }
 
-impl Drop for Allocation {
+/// A buffer whose bytes are on the ledger.
+#[derive(Debug)]
+pub(crate) struct Allocation {
+    pub buffer: wgpu::Buffer,
+    booking: Booking,
+}
+
+/// An image whose bytes are on the ledger.
+#[derive(Debug)]
+pub(crate) struct ImageAllocation {
+    pub texture: wgpu::Texture,
+    _booking: Booking,
+}
+
+impl Drop for Booking {
     fn drop(&mut self) {
         let mut ledger = lock(&self.ledger);
         ledger.total -= self.size;
@@ -212,7 +252,7 @@ impl Drop for Allocation {
 
 impl Allocation {
     pub fn size(&self) -> u64 {
-        self.size
+        self.booking.size
     }
 
     pub fn binding(&self) -> wgpu::BindingResource<'_> {
@@ -337,6 +377,12 @@ impl Gpu {
             .min(self.limits.max_buffer_size)
     }
 
+    /// Whether shaders may use all atomic operations on 64-bit integers.
+    pub fn wide_atomics(&self) -> bool {
+        let wide = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS;
+        self.device.features().contains(wide)
+    }
+
     /// Makes a buffer of `size` bytes, rounded up to 256, and puts it on the ledger.
     pub fn allocate(
         &self,
@@ -399,15 +445,63 @@ impl Gpu {
             }
             buffer.unmap();
         }
+        Ok(Allocation {
+            buffer,
+            booking: self.book(label, size),
+        })
+    }
+
+    /// Puts bytes on the ledger.
+    fn book(&self, label: &'static str, size: u64) -> Booking {
         let mut ledger = lock(&self.ledger);
         ledger.total += size;
         ledger.peak = ledger.peak.max(ledger.total);
         *ledger.by_label.entry(label).or_default() += size;
-        Ok(Allocation {
-            buffer,
+        Booking {
             label,
             size,
             ledger: self.ledger.clone(),
+        }
+    }
+
+    /// Makes an image that is drawn into and read, of an uncompressed format.
+    pub fn image(
+        &self,
+        label: &'static str,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+    ) -> Result<ImageAllocation> {
+        let texel = u64::from(format.block_copy_size(None).unwrap_or(0));
+        let size = u64::from(width) * u64::from(height) * texel;
+        let left = lock(&self.ledger).left();
+        if size > left {
+            return Err(Error::OutOfMemory(format!(
+                "{label}: {size} bytes are more than the {left} left in the budget"
+            )));
+        }
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            return Err(Error::OutOfMemory(format!(
+                "{label}: {size} bytes: {error}"
+            )));
+        }
+        Ok(ImageAllocation {
+            texture,
+            _booking: self.book(label, size),
         })
     }
 

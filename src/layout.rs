@@ -17,6 +17,7 @@ pub const DRAWING_REVERSE_Z: u32 = 2;
 pub const DRAWING_HOST_DEPTH: u32 = 4;
 pub const FRAME_REVERSE_Z: u32 = 1;
 pub const OCCLUDER_REVERSE_Z: u32 = 1;
+pub const FRAME_NEAREST: u32 = 2;
 pub const POINT_FIRST: u32 = 0x8000_0000;
 pub const POINT_LAST: u32 = 0x4000_0000;
 pub const POINT_STRAND: u32 = 0x3fff_ffff;
@@ -54,7 +55,7 @@ pub struct Drawing {
     pub front_shift: u32,
     pub row_first: u32,
     pub row_end: u32,
-    pub segment_count: u32,
+    pub chunk_base: u32,
     pub hair: u32,
     pub map_values: [f32; 4],
     pub map_colour: [f32; 4],
@@ -129,9 +130,15 @@ pub struct Frame {
     pub cut_depth: f32,
     pub depth_shift: f32,
     pub fibre_runs: u32,
+    pub seed: u32,
+    pub key_first: u32,
+    pub key_packing: u32,
+    pub place_of_depth: [f32; 4],
+    pub technique: [f32; 4],
     pub occluder_count: u32,
     pub padding_0: u32,
     pub padding_1: u32,
+    pub padding_2: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
     pub occluders: [Occluder; MAX_OCCLUDERS],
@@ -144,6 +151,22 @@ pub struct Material {
 }
 
 #[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+pub struct Sample {
+    pub tangent: [f32; 3],
+    pub coordinate: f32,
+    pub to_light: [f32; 3],
+    pub transmittance: f32,
+    pub to_eye: [f32; 3],
+    pub fibres: f32,
+    pub colour: [f32; 3],
+    pub strand: u32,
+    pub across: [f32; 2],
+    pub padding_0: f32,
+    pub padding_1: f32,
+}
+
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct Counters {
     pub produced: u32,
@@ -152,8 +175,8 @@ pub struct Counters {
     pub merged: u32,
     pub overflow: u32,
     pub covered: u32,
+    pub crowded: u32,
     pub padding_0: u32,
-    pub padding_1: u32,
     pub walk_arguments: [u32; 4],
     pub ribbon_arguments: [u32; 4],
 }

@@ -17,8 +17,10 @@ use crate::raster::Rasteriser;
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
 use crate::shadow::{Fibres, Shadow, Shape, Sight};
-use crate::transparency::Transparency;
 use crate::transparency::a_buffer::FRAGMENT_BYTES;
+use crate::transparency::nearest::Sought;
+use crate::transparency::sorted_blending::Sorting;
+use crate::transparency::{Needs, Transparency};
 use crate::view::View;
 
 /// A run of a hair, and where its points lie among the frame's pooled points.
@@ -50,6 +52,8 @@ pub(crate) struct Band {
     pub first: u32,
     pub rows: u32,
     pub drawings: Vec<u32>,
+    /// Uniform offset of the points of all runs together, where they are sorted.
+    pub whole: u32,
 }
 
 /// The plan of a frame.
@@ -87,6 +91,12 @@ pub(crate) struct Plan {
     pub shadows_only: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
+    /// What is asked of each pixel's nearest fragment where the technique does not know it.
+    pub sought: Sought,
+    /// How sorted blending sorts; empty for other techniques.
+    pub sorting: Sorting,
+    /// Whether this frame sorts anew.
+    pub sort: bool,
     /// Whether the technique cuts off what cannot be seen.
     pub cuts: bool,
     /// Whether an output asks for a record of each point.
@@ -217,12 +227,21 @@ impl Plan {
         }
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
+        transparency.fits(gpu)?;
         let mut shader = one_shader(frame)?;
         shader.occluded = !target.occluders.is_empty();
         if shader.occluded && shader.rate == ShadingRate::Fragment {
             return Err(Error::Conflict(
                 "occluders shadow hair that is shaded at points; hair 0 has the shading rate Fragment".into(),
             ));
+        }
+        if shader.rate == ShadingRate::Fragment && !transparency.shades_fragments() {
+            return Err(Error::Conflict(format!(
+                "the shading rate {:?} and the transparency {}, which takes {:?} alone",
+                shader.rate,
+                transparency.stem(),
+                ShadingRate::Point
+            )));
         }
 
         let [left, top, width, height] = target.area();
@@ -244,6 +263,20 @@ impl Plan {
             eye
         };
         let seen = view_size(&clip_from_relative, &placed, frame, width, height);
+        let keys = key_range(&clip_from_relative, &placed, frame.view.reverse_z);
+
+        let mut flags = 0;
+        if frame.view.reverse_z {
+            flags |= layout::FRAME_REVERSE_Z;
+        }
+        let sought = if transparency.seeks_nearest() {
+            Sought::by(target)
+        } else {
+            Sought::default()
+        };
+        if sought.depth {
+            flags |= layout::FRAME_NEAREST;
+        }
 
         let largest = runs.iter().map(|run| run.run.count).max().unwrap_or(0);
         let (_, rows) = workgroups(largest);
@@ -282,6 +315,9 @@ impl Plan {
             shadows_only: target.shadows_only,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
+            sought,
+            sorting: Sorting::default(),
+            sort: false,
             cuts: match transparency {
                 Transparency::DbkBuffer(settings) => {
                     settings.depth_shift.is_some()
@@ -300,22 +336,24 @@ impl Plan {
                 width,
                 height,
                 capacity: 0,
-                flags: if frame.view.reverse_z {
-                    layout::FRAME_REVERSE_Z
-                } else {
-                    0
-                },
+                flags,
                 tail_scale: tail_scale(frame, &placed, origin),
                 run_points: largest,
                 run_rows: rows,
                 part_capacity: part_capacity(gpu) as u32,
                 origin: [left, top],
+                key_first: keys[0],
+                key_packing: key_packing(keys, point_count),
                 cut_depth: transparency.cut_depth(),
                 depth_shift: transparency.depth_shift(),
                 fibre_runs: (point_count * FIBRE_POINT_VECTORS) as u32,
+                seed: transparency.seed(),
+                place_of_depth: place_of_depth(&clip_from_relative, &placed, frame.view.reverse_z),
+                technique: transparency.values(),
                 occluder_count: target.occluders.len() as u32,
                 padding_0: 0,
                 padding_1: 0,
+                padding_2: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
                 occluders: occluders(target, origin),
@@ -335,6 +373,14 @@ impl Plan {
             run.material = materials[run.hair];
         }
         plan.materials = materials;
+        if let Transparency::SortedBlending(settings) = &plan.transparency {
+            let runs = plan
+                .runs
+                .iter()
+                .map(|run| [run.run.count, run.run.segments].map(u64::from));
+            plan.sorting = Sorting::new(settings, runs, point_count, gpu.max_binding())?;
+            plan.frame_uniform.technique = plan.sorting.values(settings.order);
+        }
         plan.add_lights(frame, &placed, origin, gpu)?;
         plan.add_bands(
             frame,
@@ -345,6 +391,18 @@ impl Plan {
             gpu,
         );
         Ok(plan)
+    }
+
+    /// What the technique and the frame ask of the pixels' buffers for `pixels` pixels.
+    pub fn needs(&self, pixels: u64) -> Needs {
+        let mut needs = self.transparency.needs(pixels);
+        if self.sought.depth {
+            needs.fill = needs.fill.max(pixels * 4);
+        }
+        if self.sought.segment {
+            needs.links = needs.links.max(pixels * 4);
+        }
+        needs
     }
 
     /// Tiles of the view that know the host's farthest depth.
@@ -370,12 +428,25 @@ impl Plan {
         offset as u32
     }
 
-    /// Writes where a hair's model has its tables.
+    /// The shader of one hair by itself.
+    pub fn shader_of(&self, hair: usize) -> Shader {
+        Shader {
+            shadow: self.shader.shadow,
+            occluded: self.shader.occluded,
+            transmits: self.shader.transmits,
+            ..Shader::of(&self.shadings[hair], self.shader.rate)
+        }
+    }
+
+    /// Writes where a hair's model has its tables, and its settings.
     pub fn set_tables(&mut self, hair: usize, place: crate::shading::tables::Place) {
+        let [angles, azimuthal, size] = place;
+        let settings = self.shadings[hair].settings(self.shader.rate);
+        let words = [angles, azimuthal, size, settings];
         let at = self.materials[hair] as usize + std::mem::offset_of!(layout::Material, values);
         let last = at + 15 * size_of::<[f32; 4]>();
-        self.uniforms[last..last + size_of_val(&place)]
-            .copy_from_slice(bytemuck::cast_slice(&place));
+        self.uniforms[last..last + size_of_val(&words)]
+            .copy_from_slice(bytemuck::cast_slice(&words));
     }
 
     /// Leaves the TT lobe out where its bound is within every hair's tolerance.
@@ -427,7 +498,7 @@ impl Plan {
                     opacity: frame.hairs[run.hair].opacity,
                     point_count: run.run.count,
                     point_base: run.base,
-                    segment_count: run.run.segments,
+                    chunk_base: self.sorting.bases.get(number).copied().unwrap_or(0),
                     ..*common
                 })
             })
@@ -569,8 +640,8 @@ impl Plan {
         target: &Target,
         gpu: &Gpu,
     ) {
-        let rows = (self.transparency.most_pixels(gpu.max_binding()) / u64::from(self.width))
-            .clamp(1, u64::from(self.height)) as u32;
+        let most = Needs::most_pixels(|pixels| self.needs(pixels), gpu.max_binding());
+        let rows = (most / u64::from(self.width)).clamp(1, u64::from(self.height)) as u32;
         let mut flags = layout::DRAWING_DEPTH_OVER_W;
         flags |= if frame.view.reverse_z {
             layout::DRAWING_REVERSE_Z
@@ -586,27 +657,34 @@ impl Plan {
         let jitter = |axis: usize| frame.view.jitter[axis] - previous.jitter[axis];
         for (number, first) in (0..self.height).step_by(rows as usize).enumerate() {
             let rows = rows.min(self.height - first);
-            let drawings = self.drawings(
-                frame,
-                placed,
-                &layout::Drawing {
-                    clip_from_relative: matrix(*clip_from_relative),
-                    eye: vector(eye),
-                    depth_row: vector(clip_from_relative.row(2)),
-                    viewport: [self.width as f32, self.height as f32],
-                    flags,
-                    splits: self.splits,
-                    row_first: first,
-                    row_end: first + rows,
-                    jitter_motion: [jitter(0), jitter(1)],
-                    ..bytemuck::Zeroable::zeroed()
-                },
-            );
+            let common = layout::Drawing {
+                clip_from_relative: matrix(*clip_from_relative),
+                eye: vector(eye),
+                depth_row: vector(clip_from_relative.row(2)),
+                viewport: [self.width as f32, self.height as f32],
+                flags,
+                splits: self.splits,
+                row_first: first,
+                row_end: first + rows,
+                jitter_motion: [jitter(0), jitter(1)],
+                ..bytemuck::Zeroable::zeroed()
+            };
+            let drawings = self.drawings(frame, placed, &common);
+            let whole = if self.sorting.bins > 0 {
+                self.uniform(&layout::Drawing {
+                    opacity: 1.0,
+                    point_count: self.point_count as u32,
+                    ..common
+                })
+            } else {
+                0
+            };
             self.bands.push(Band {
                 number: number as u32,
                 first,
                 rows,
                 drawings,
+                whole,
             });
         }
     }
@@ -793,7 +871,9 @@ fn one_shader(frame: &Frame) -> Result<Shader> {
         let own = Shader::of(&hair.shading, hair.shading_rate);
         shader.one_material &= hair.shading == first.shading;
         shader.varies |= own.varies;
-        shader.near |= own.near;
+        if own.settings != shader.settings {
+            shader.settings = None;
+        }
     }
     Ok(shader)
 }
@@ -942,14 +1022,95 @@ fn view_size(
                 [[0.0; 2], size]
             };
             for place in places {
-                for axis in 0..2 {
-                    seen.bounds[axis] = seen.bounds[axis].min(place[axis]);
-                    seen.bounds[axis + 2] = seen.bounds[axis + 2].max(place[axis]);
+                for (axis, at) in place.into_iter().enumerate() {
+                    seen.bounds[axis] = seen.bounds[axis].min(at);
+                    seen.bounds[axis + 2] = seen.bounds[axis + 2].max(at);
                 }
             }
         }
     }
     seen
+}
+
+/// The coefficients that take a stored depth to its place between the hair's nearest and farthest distance along the view's
+/// axis, 0 to 1: (x depth + y) / (z depth + w).
+fn place_of_depth(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> [f32; 4] {
+    let [depth_row, w_row] = [clip_from_relative.row(2), clip_from_relative.row(3)];
+    let corners = || {
+        let points = placed.iter().flat_map(|placed| placed.corners);
+        points.map(|p| (depth_row.dot(p.extend(1.0)), w_row.dot(p.extend(1.0))))
+    };
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        })
+    };
+    let axis = w_row.truncate();
+    // Depth × w = a w + b, as of every projection whose near plane is perpendicular to the axis.
+    let a = depth_row.truncate().dot(axis) / axis.length_squared();
+    let b = depth_row.w - a * w_row.w;
+    let perspective = axis.length() > 1e-12 && b != 0.0;
+    let [p, q, r, s] = if perspective {
+        let [mut near, far] = range(&mut corners().map(|(_, w)| w));
+        // What lies before the near plane, whose depth is 0 or 1, is not seen.
+        let planes = [b / -a, b / (1.0 - a)].into_iter();
+        near = near.max(planes.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min));
+        [-near, b + near * a, far - near, (near - far) * a]
+    } else {
+        let [low, high] = range(&mut corners().map(|(depth, _)| depth));
+        let [near, far] = if reverse_z { [high, low] } else { [low, high] };
+        [1.0, -near, 0.0, far - near]
+    };
+    let found = [p, q, r, s].map(|value| value as f32);
+    let extended = found.iter().all(|value| value.is_finite()) && (r != 0.0 || s != 0.0);
+    if extended {
+        found
+    } else {
+        [0.0, 0.0, 0.0, 1.0]
+    }
+}
+
+/// Bounds of the depth keys (see `depth_key` in WGSL) of all hair in a view.
+fn key_range(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> [u32; 2] {
+    /// Keys by which single precision may miss a corner.
+    const MARGIN: u32 = 64;
+    let farthest = 1.0f32.to_bits();
+    let key = |p: &DVec3| {
+        let clip = |row| clip_from_relative.row(row).dot(p.extend(1.0));
+        let depth = (clip(2) / clip(3)).clamp(0.0, 1.0) as f32;
+        // A corner behind the eye: anything may be before it.
+        (clip(3) > 0.0).then(|| match reverse_z {
+            true => farthest - depth.to_bits(),
+            false => depth.to_bits(),
+        })
+    };
+    let keys: Option<Vec<u32>> = placed
+        .iter()
+        .flat_map(|hair| &hair.corners)
+        .map(key)
+        .collect();
+    let Some((first, last)) =
+        keys.and_then(|keys| keys.iter().copied().min().zip(keys.into_iter().max()))
+    else {
+        return [0, farthest];
+    };
+    [
+        first.saturating_sub(MARGIN),
+        last.saturating_add(MARGIN).min(farthest),
+    ]
+}
+
+/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value.
+fn key_packing([first, last]: [u32; 2], point_count: u64) -> u32 {
+    /// Opacity and place along the segment, `K_PLUS_VALUE_BITS` in WGSL; and the least bits of a point.
+    const VALUE_BITS: u32 = 19;
+    const LEAST_POINT_BITS: u32 = 13;
+    let bits = |value: u64| u64::BITS - value.leading_zeros();
+    let point_bits = bits(point_count).max(LEAST_POINT_BITS);
+    let key_bits = 64 - VALUE_BITS - point_bits;
+    // The greatest key is left out: all ones is an empty word.
+    let shift = bits(u64::from(last - first) + 2).saturating_sub(key_bits);
+    shift | point_bits << 8
 }
 
 /// Steps a unit of radiance of the tail's fixed-point colours: 2¹⁶ for the brightest that the lights should make.

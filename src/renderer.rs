@@ -221,10 +221,10 @@ impl Renderer {
             merged: returned.merged,
         };
         self.statistics.covered_pixels = returned.covered;
-        if returned.merged > 0 {
+        if returned.overflowed > 0 {
             log::warn!(
-                "the fragment pool was too small: {} of {} fragments were merged",
-                returned.merged,
+                "the fragment pool was too small for {} of {} fragments, which were merged",
+                returned.overflowed,
                 returned.produced
             );
         }

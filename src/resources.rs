@@ -6,15 +6,15 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
-use crate::gpu::{Allocation, Gpu, Group, Passes};
+use crate::gpu::{Allocation, Gpu, Group, ImageAllocation, Passes};
 use crate::layout::{Counters, MAX_OCCLUDERS, ORDER_KEYS, PointOutput, Projected};
 use crate::occluder::Occluder;
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::{ShadingRate, tables, transmission};
 use crate::surface::{Subresource, Surface};
-use crate::transparency::Fragments;
 use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
+use crate::transparency::{Fragments, Transparency, read_group};
 
 /// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
 pub(crate) const RING: usize = 8;
@@ -52,10 +52,14 @@ struct Slot {
     counters: Allocation,
     state: Arc<AtomicU8>,
     bands: u64,
+    /// Whether fragments lie in a pool, and whether as linked nodes.
+    pool: bool,
     lists: bool,
     capacity: u64,
     /// The tables that the frame fills; 0: none.
     fills: u64,
+    /// The order that it sorts; 0: none.
+    sorts: u64,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
     depth: Option<(wgpu::Texture, Subresource)>,
@@ -72,6 +76,28 @@ pub(crate) struct RunGroups {
     pub shade: wgpu::BindGroup,
     /// Where an output asks for it.
     pub track: Option<wgpu::BindGroup>,
+}
+
+/// What sorted blending binds.
+pub(crate) struct SortedGroups {
+    /// Histogram and order.
+    pub sorting: wgpu::BindGroup,
+    /// All hairs' points, and the order.
+    pub segments: wgpu::BindGroup,
+    pub image: wgpu::TextureView,
+    read: wgpu::BindGroup,
+}
+
+/// The order that sorted blending has found.
+#[derive(Default)]
+struct Order {
+    /// What it is the order of.
+    of: Vec<u64>,
+    number: u64,
+    /// Frames that have taken it.
+    age: u32,
+    /// Whether a frame that found it is known to have run.
+    known: bool,
 }
 
 /// Bind groups of the pools.
@@ -91,6 +117,8 @@ struct Groups {
     maps_read: wgpu::BindGroup,
     pixels_written: wgpu::BindGroup,
     pixels_read: wgpu::BindGroup,
+    /// Where the technique sorts.
+    sorted: Option<SortedGroups>,
 }
 
 /// What the passes of one frame bind.
@@ -109,7 +137,9 @@ pub(crate) struct Bound<'a> {
     pub occluders: Option<&'a wgpu::BindGroup>,
     pub pixels_written: &'a wgpu::BindGroup,
     pub pixels: &'a Pixels,
-    pub pixels_read: &'a wgpu::BindGroup,
+    pixels_read: &'a wgpu::BindGroup,
+    pub sorted: Option<&'a SortedGroups>,
+    pub histogram: &'a Allocation,
     pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
     pub order_counts: &'a wgpu::Buffer,
@@ -124,6 +154,14 @@ impl Bound<'_> {
         match group {
             Group::MapsWritten => (2, self.maps_written),
             _ => (3, self.pixels_written),
+        }
+    }
+
+    /// What the composite reads of the pixels.
+    pub fn read(&self, plan: &Plan) -> &wgpu::BindGroup {
+        match (read_group(&plan.transparency), self.sorted) {
+            (Group::BlendedRead, Some(sorted)) => &sorted.read,
+            _ => self.pixels_read,
         }
     }
 
@@ -169,6 +207,8 @@ pub(crate) struct Returned {
     pub culled: u64,
     pub stored: u64,
     pub merged: u64,
+    /// Of these, for want of room in the pool.
+    pub overflowed: u64,
     pub covered: u64,
     /// The most that one band asked of the pool.
     pub needed: u64,
@@ -188,6 +228,10 @@ pub(crate) struct Resources {
     tables: tables::Held,
     bounds: transmission::Bounds,
     pixels: Pixels,
+    histogram: Allocation,
+    sorted: Allocation,
+    blended: Option<ImageAllocation>,
+    found: Order,
     arguments: Allocation,
     generation: u64,
     groups: Option<Groups>,
@@ -240,9 +284,11 @@ impl Resources {
                     )?,
                     state: Arc::default(),
                     bands: 0,
+                    pool: false,
                     lists: false,
                     capacity: 0,
                     fills: 0,
+                    sorts: 0,
                     frame: None,
                     frame_without_depth: None,
                     depth: None,
@@ -273,6 +319,10 @@ impl Resources {
                 ],
                 overflow: empty("pelage.transparency.overflow")?,
             },
+            histogram: empty("pelage.transparency.sorted_blending.histogram")?,
+            sorted: empty("pelage.transparency.sorted_blending.order")?,
+            blended: None,
+            found: Order::default(),
             arguments: gpu.allocate(
                 "pelage.transparency.arguments",
                 256,
@@ -328,11 +378,13 @@ impl Resources {
             )));
         }
         self.grow_attachment(gpu, plan);
+        self.grow_sorted(gpu, frame, plan)?;
         let key_matches = self.groups.as_ref().is_some_and(|groups| {
             groups.generation == self.generation
                 && groups.serials == plan.serials
                 && groups.rate == plan.shader.rate
                 && (groups.tracked || !plan.tracked)
+                && (groups.sorted.is_some() || plan.sorting.bins == 0)
                 && groups.tables == self.tables.serial()
         });
         if !key_matches {
@@ -419,7 +471,7 @@ impl Resources {
             .max()
             .unwrap_or(0);
         let pool = &mut self.pixels;
-        let needs = plan.transparency.needs(pixels);
+        let needs = plan.needs(pixels);
         let mut sized =
             |slot: &mut Allocation, label, bytes| grow(gpu, slot, label, bytes, generation);
         sized(&mut pool.fill, "pelage.transparency.fill", needs.fill)?;
@@ -435,7 +487,10 @@ impl Resources {
                 "pelage.transparency.fragments",
                 bytes,
             ),
-            Fragments::Pool { linked, bytes } => self.grow_fragments(gpu, plan, linked, bytes),
+            Fragments::Pool { linked, bytes } => {
+                let expected = plan.transparency.expected(plan.expected_fragments, pixels);
+                self.grow_fragments(gpu, plan, expected, linked, bytes)
+            }
         }
     }
 
@@ -444,6 +499,7 @@ impl Resources {
         &mut self,
         gpu: &Gpu,
         plan: &Plan,
+        expected: u64,
         lists: bool,
         pool_bytes: Option<u64>,
     ) -> Result<()> {
@@ -459,7 +515,7 @@ impl Resources {
         let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
-                let expected = plan.expected_fragments.max(self.needed) as f64 * POOL_MARGIN;
+                let expected = expected.max(self.needed) as f64 * POOL_MARGIN;
                 (expected as u64).clamp(SMALLEST_POOL.min(most), most)
             }
         };
@@ -552,6 +608,92 @@ impl Resources {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
             view_formats: &[],
         }));
+    }
+
+    /// What sorted blending needs, and whether this frame sorts anew.
+    fn grow_sorted(&mut self, gpu: &Gpu, frame: &Frame, plan: &mut Plan) -> Result<()> {
+        let Transparency::SortedBlending(settings) = plan.transparency else {
+            return Ok(());
+        };
+        let generation = &mut self.generation;
+        grow(
+            gpu,
+            &mut self.histogram,
+            "pelage.transparency.sorted_blending.histogram",
+            plan.sorting.histogram_bytes(),
+            generation,
+        )?;
+        grow(
+            gpu,
+            &mut self.sorted,
+            "pelage.transparency.sorted_blending.order",
+            plan.sorting.order_bytes(),
+            generation,
+        )?;
+        let format = settings.format(gpu);
+        let fits = |held: &ImageAllocation| {
+            let image = &held.texture;
+            image.format() == format && image.width() >= plan.width && image.height() >= plan.height
+        };
+        if !self.blended.as_ref().is_some_and(fits) {
+            // The old one comes free before the new one is made.
+            self.blended = None;
+            *generation += 1;
+            let label = "pelage.transparency.sorted_blending.image";
+            self.blended = Some(gpu.image(label, [plan.width, plan.height], format)?);
+        }
+
+        let mut of = plan.serials.clone();
+        let opacities = frame.hairs.iter().map(|hair| hair.opacity.to_bits());
+        of.extend(opacities.map(u64::from));
+        of.extend([plan.sorting.bins, settings.order as u64]);
+        let found = &mut self.found;
+        if found.of != of || (found.known && found.age >= settings.reuse) {
+            *found = Order {
+                of,
+                number: found.number + 1,
+                age: 0,
+                known: false,
+            };
+        }
+        // A frame that was recorded and never submitted has sorted nothing.
+        plan.sort = !found.known;
+        if found.known {
+            found.age += 1;
+        }
+        Ok(())
+    }
+
+    /// What sorted blending binds.
+    fn bind_sorted(&self, gpu: &Gpu, plan: &Plan) -> Option<SortedGroups> {
+        let blended = self.blended.as_ref().filter(|_| plan.sorting.bins > 0)?;
+        let image = blended.texture.create_view(&Default::default());
+        let each = size_of::<Projected>() as u64;
+        Some(SortedGroups {
+            sorting: gpu.bind(
+                "pelage.sorting",
+                Group::Sorting,
+                &[self.histogram.binding(), self.sorted.binding()],
+            ),
+            segments: gpu.bind(
+                "pelage.sorted_segments",
+                Group::Segments,
+                &[
+                    part(&self.projected, 0, plan.point_count, each),
+                    self.sorted.binding(),
+                ],
+            ),
+            read: gpu.bind(
+                "pelage.blended",
+                Group::BlendedRead,
+                &[
+                    wgpu::BindingResource::TextureView(&image),
+                    self.pixels.fill.binding(),
+                    self.pixels.links.binding(),
+                ],
+            ),
+            image,
+        })
     }
 
     fn bind(&self, gpu: &Gpu, frame: &Frame, plan: &Plan) -> Groups {
@@ -691,6 +833,7 @@ impl Resources {
             maps_read: gpu.bind("pelage.maps_read", Group::MapsRead, &[self.maps.binding()]),
             pixels_written: gpu.bind("pelage.pixels_written", Group::PixelsWritten, &pixels),
             pixels_read: gpu.bind("pelage.pixels_read", Group::PixelsRead, &pixels),
+            sorted: self.bind_sorted(gpu, plan),
         }
     }
 
@@ -767,13 +910,16 @@ impl Resources {
             });
         }
         slot.bands = plan.bands.len() as u64;
-        slot.lists = plan.transparency.needs(0).fragments.linked();
+        let fragments = plan.transparency.needs(0).fragments;
+        slot.pool = fragments.pooled();
+        slot.lists = fragments.linked();
         slot.capacity = self.capacity;
         slot.fills = if plan.shadows_only {
             0
         } else {
             self.tables.to_fill()
         };
+        slot.sorts = if plan.sort { self.found.number } else { 0 };
         Ok(())
     }
 
@@ -796,6 +942,8 @@ impl Resources {
             occluders: slot.occluders.as_ref(),
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
+            sorted: groups.sorted.as_ref(),
+            histogram: &self.histogram,
             point_outputs: &groups.point_outputs,
             order_counts: &self.order_counts.buffer,
             pixels: &self.pixels,
@@ -860,6 +1008,7 @@ impl Resources {
                     newest = Some(read_slot(slot));
                     // A frame that was recorded and never submitted has filled nothing.
                     self.tables.mark_filled(slot.fills);
+                    self.found.known |= slot.sorts > 0 && slot.sorts == self.found.number;
                     slot.counters.buffer.unmap();
                     slot.state.store(IDLE, Ordering::Release);
                 }
@@ -902,16 +1051,23 @@ fn read_slot(slot: &Slot) -> Returned {
             counters.merged,
         ]
         .map(u64::from);
-        let mut needed = produced;
+        let (mut needed, mut found, mut overflowed) = (produced, produced, merged);
         if slot.lists {
+            // `stored` counts the nodes that were asked for; of what a technique counts itself some asked for none.
             needed = stored;
-            merged = stored.saturating_sub(slot.capacity);
-            stored -= merged;
+            overflowed = stored.saturating_sub(slot.capacity);
+            if produced == 0 {
+                (found, merged) = (stored, overflowed);
+            }
+            stored = found - merged;
+        } else if !slot.pool {
+            overflowed = 0;
         }
-        sum.produced += if slot.lists { needed } else { produced } + culled;
+        sum.produced += found + culled;
         sum.culled += culled;
         sum.stored += stored;
         sum.merged += merged;
+        sum.overflowed += overflowed;
         sum.covered += u64::from(counters.covered);
         sum.needed = sum.needed.max(needed);
     }

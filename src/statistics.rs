@@ -6,11 +6,12 @@ pub struct Fragments {
     /// Found by the rasteriser within the view's depth range. Segments outside the view or wholly behind the opaque scene
     /// are dropped before, and count nowhere.
     pub produced: u64,
-    /// Of these, dropped before they were stored, since they cannot be seen.
+    /// Of these, dropped before they were stored: since they cannot be seen, or since the technique leaves out what it does
+    /// not keep.
     pub culled: u64,
     /// Stored one by one.
     pub stored: u64,
-    /// Merged into a pixel's tail, since the pool was too small.
+    /// Merged into one layer of their pixel: since the pool was too small, or since the technique stores fewer or none.
     pub merged: u64,
 }
 

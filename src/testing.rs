@@ -8,8 +8,9 @@ use crate::composite;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
-    Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shader, Shading, ShadingRate,
-    gather_module, tables, transmission,
+    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, RoughnessVariation, Sadeghi,
+    Scheuermann, Shader, Shading, ShadingRate, Tables, evaluator, gather_module, tables,
+    transmission,
 };
 use crate::shadow::{
     ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
@@ -17,7 +18,10 @@ use crate::shadow::{
     moment_opacity_map, opacity_shadow_maps, shadow_map,
 };
 use crate::transparency::{
-    ABuffer, DbkBuffer, Opaque, Storage, Transparency, a_buffer, dbk_buffer, opaque, resolve_module,
+    ABuffer, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque,
+    RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, WeightedBlended,
+    a_buffer, dbk_buffer, depth_peeling, moment, nearest, opaque, random_subsets, resolve_module,
+    sorted_blending, weighted_blended,
 };
 
 /// A module that the crate can build.
@@ -77,6 +81,87 @@ pub fn light_map(frame: &crate::Frame, light: usize) -> Option<LightMap> {
     })
 }
 
+/// Every model with each of its settings that has shaders of its own.
+fn variants() -> Vec<Shading> {
+    let mut variants = models().to_vec();
+    let dual_scattering = Some(DualScattering::default());
+    let marschner = Marschner {
+        dual_scattering,
+        tables: None,
+        ..Marschner::default()
+    };
+    for roots in [Roots::Exact, Roots::Cubic] {
+        for eccentricity in [1.0, 0.9] {
+            variants.push(Shading::Marschner(Marschner {
+                roots,
+                eccentricity,
+                ..marschner
+            }));
+        }
+    }
+    variants.push(Shading::Sadeghi(Sadeghi {
+        dual_scattering,
+        ..Sadeghi::default()
+    }));
+    for precision in [None, Some(Precision::F32), Some(Precision::F16)] {
+        variants.push(Shading::Chiang(Chiang {
+            dual_scattering,
+            tables: precision.map(|precision| Tables {
+                precision,
+                ..Tables::default()
+            }),
+            ..Chiang::default()
+        }));
+    }
+    let roughness = RoughnessVariation {
+        strand: 0.5,
+        tip: 1.0,
+    };
+    variants.push(Shading::Marschner(Marschner {
+        roughness,
+        ..Marschner::default()
+    }));
+    variants.push(Shading::Sadeghi(Sadeghi {
+        roughness,
+        ..Sadeghi::default()
+    }));
+    variants.push(Shading::Chiang(Chiang {
+        roughness,
+        near_field: true,
+        ..Chiang::default()
+    }));
+    variants
+}
+
+/// The shaders of all these, those without TT, and those of hairs that differ in their settings.
+fn shaders() -> Vec<Shader> {
+    let of = |shading: &Shading| Shader::of(shading, ShadingRate::Fragment);
+    let mut shaders: Vec<Shader> = variants().iter().map(of).collect();
+    for model in models() {
+        shaders.push(Shader {
+            transmits: false,
+            ..of(&model)
+        });
+        shaders.push(Shader {
+            varies: true,
+            settings: None,
+            ..of(&model)
+        });
+    }
+    shaders
+}
+
+/// What tells the shaders of one model apart.
+fn detail(shader: &Shader) -> String {
+    let settings = shader
+        .settings
+        .map_or("of each hair".into(), |bits| format!("{bits:b}"));
+    let Shader {
+        varies, transmits, ..
+    } = shader;
+    format!("settings {settings}, varies {varies}, transmits {transmits}")
+}
+
 /// A shading model's functions, without what calls them; `shading_tables` is to be declared by the caller.
 pub fn shading_source(shading: &Shading) -> String {
     Shader::of(shading, ShadingRate::Fragment)
@@ -85,13 +170,8 @@ pub fn shading_source(shading: &Shading) -> String {
         .source
 }
 
-/// The pass that fills a model's tables, entry `shading_tabulate`; groups 0 (binding 2: material) and 1 (binding 0: tables).
-pub fn tables_source(shading: &Shading) -> String {
-    tables::module(shading.points().1).join().source
-}
-
 /// The tables of one model as a frame would place them: the place, the words that the host writes, and how many there are.
-pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 4], Vec<f32>, u64) {
+pub fn tables_of(shading: &Shading, ambient: bool) -> ([u32; 3], Vec<f32>, u64) {
     let (places, words, size) = tables::lay_out(&[*shading], ambient);
     (places[0], words, size)
 }
@@ -126,9 +206,29 @@ pub fn shadow_source(shadow: &Shadow) -> String {
 /// Every module that the crate can build.
 pub fn combinations() -> Vec<Combination> {
     let mut modules: Vec<(String, Module)> = Vec::new();
+    const RESTS: [Rest; 3] = [Rest::Merged, Rest::Alpha, Rest::Dropped];
+    let plus = RESTS.map(|rest| KPlusBuffer {
+        rest,
+        ..Default::default()
+    });
+    let single_pass = RESTS.map(|rest| KBufferSinglePass {
+        rest,
+        ..Default::default()
+    });
+    let kept: Vec<_> = plus
+        .iter()
+        .flat_map(KPlusBuffer::emissions)
+        .chain(single_pass.iter().map(KBufferSinglePass::emission))
+        .collect();
     let emissions = opaque::EMISSIONS
         .iter()
         .chain(&a_buffer::EMISSIONS)
+        .chain(&nearest::EMISSIONS)
+        .chain(&weighted_blended::EMISSIONS)
+        .chain(&depth_peeling::EMISSIONS)
+        .chain(&random_subsets::EMISSIONS)
+        .chain(&kept)
+        .chain(&moment::EMISSIONS)
         .chain(&dbk_buffer::EMISSIONS)
         .chain(&deep_opacity_map::EMISSIONS)
         .chain([
@@ -142,7 +242,10 @@ pub fn combinations() -> Vec<Combination> {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             for rate in [ShadingRate::Point, ShadingRate::Fragment] {
                 modules.push((
-                    format!("{} {rasteriser}, shaded by {rate:?}", emission.label),
+                    format!(
+                        "{} {} {rasteriser}, shaded by {rate:?}",
+                        emission.label, emission.stage
+                    ),
                     emission.module(rasteriser, 3, rate),
                 ));
             }
@@ -157,22 +260,70 @@ pub fn combinations() -> Vec<Combination> {
         depth_shift: Some(1.0),
         ..Default::default()
     });
-    let techniques = [
-        ("opaque", Transparency::Opaque(Opaque::default())),
-        ("counted", counted),
-        ("lists", lists),
-        ("dbk_buffer", Transparency::DbkBuffer(DbkBuffer::default())),
-        ("dbk_buffer by a shift", by_shift),
+    let mut techniques = vec![
+        (
+            "opaque".to_string(),
+            Transparency::Opaque(Opaque::default()),
+        ),
+        ("moment".into(), Transparency::Moment(Moment::default())),
+        (
+            "weighted_blended".into(),
+            Transparency::WeightedBlended(WeightedBlended::default()),
+        ),
+        (
+            "depth_peeling".into(),
+            Transparency::DepthPeeling(DepthPeeling::default()),
+        ),
+        (
+            "random_subsets".into(),
+            Transparency::RandomSubsets(RandomSubsets::default()),
+        ),
+        (
+            "sorted_blending".into(),
+            Transparency::SortedBlending(SortedBlending::default()),
+        ),
+        ("counted".into(), counted),
+        ("lists".into(), lists),
+        (
+            "dbk_buffer".into(),
+            Transparency::DbkBuffer(DbkBuffer::default()),
+        ),
+        ("dbk_buffer by a shift".into(), by_shift),
     ];
-    for (name, technique) in techniques {
+    for settings in plus {
+        let name = format!("k_plus_buffer {:?}", settings.rest);
+        techniques.push((name, Transparency::KPlusBuffer(settings)));
+    }
+    for settings in single_pass {
+        let name = format!("k_buffer_single_pass {:?}", settings.rest);
+        techniques.push((name, Transparency::KBufferSinglePass(settings)));
+    }
+    for rest in RESTS {
+        for (selection, storage) in [
+            (Selection::Registers, Storage::Counted),
+            (Selection::Rounds, Storage::Lists),
+            (Selection::Sort, Storage::Counted),
+        ] {
+            techniques.push((
+                format!("k_buffer {rest:?} {selection:?}"),
+                Transparency::KBuffer(KBuffer {
+                    rest,
+                    selection,
+                    storage,
+                    ..Default::default()
+                }),
+            ));
+        }
+    }
+    for (name, technique) in &techniques {
         modules.push((
             format!("composite {name}"),
-            resolve_module(&technique, 3, None).and(&["common/fullscreen", "composite"]),
+            resolve_module(technique, 3, None).and(&["common/fullscreen", "composite"]),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
-                resolve_module(&technique, 3, None)
+                resolve_module(technique, 3, None)
                     .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
@@ -195,18 +346,34 @@ pub fn combinations() -> Vec<Combination> {
         modules.push((format!("scan, again {again}"), module));
     }
     for shadow in shadows() {
-        for model in models() {
+        for shader in shaders() {
             let shader = Shader {
                 shadow: shadow.look_up(),
-                one_material: shadow != Shadow::None,
-                ..Shader::of(&model, ShadingRate::Fragment)
+                one_material: shadow != Shadow::None && shader.settings.is_some(),
+                ..shader
             };
-            let name = format!("{}, shadow {}", model.stem(), shadow.stem());
-            for occluded in [false, true] {
-                let module = Shader { occluded, ..shader }.points_module();
-                modules.push((format!("points {name}, occluded {occluded}"), module));
+            // Shadow techniques are the same to all shaders of a model, and so are transparency techniques.
+            let usual = shader.settings.is_some() && shader.transmits && !shader.varies;
+            let known = matches!(shadow, Shadow::None | Shadow::DeepOpacityMap(_));
+            if !(usual || known) {
+                continue;
+            }
+            let name = format!(
+                "{}, {}, shadow {}",
+                shader.label,
+                detail(&shader),
+                shadow.stem()
+            );
+            if shader.settings.is_some() {
+                for occluded in [false, true] {
+                    let module = Shader { occluded, ..shader }.points_module();
+                    modules.push((format!("points {name}, occluded {occluded}"), module));
+                }
             }
             for (technique_name, technique) in &techniques {
+                if !technique.shades_fragments() || !(usual || *technique_name == "counted") {
+                    continue;
+                }
                 let module = resolve_module(technique, 3, Some(&shader))
                     .and(&["common/fullscreen", "composite"]);
                 modules.push((format!("composite {technique_name}, {name}"), module));
@@ -224,9 +391,14 @@ pub fn combinations() -> Vec<Combination> {
         ));
     }
     modules.push(("fibre_points".into(), gather_module()));
-    for model in models().iter().filter(|model| model.tables().is_some()) {
-        let name = format!("tables {}", model.stem());
-        modules.push((name, tables::module(model.points().1)));
+    for model in variants() {
+        let settings = model.settings(ShadingRate::Fragment);
+        let name = format!("evaluate {}, {settings:b}", model.stem());
+        modules.push((name, evaluator::module(&model)));
+        if model.tables().is_some() {
+            let name = format!("tables {}, {settings:b}", model.stem());
+            modules.push((name, tables::module(&model)));
+        }
     }
     modules.push(("track".into(), Module::new(&["common/track"])));
     for stem in [
@@ -256,6 +428,9 @@ pub fn combinations() -> Vec<Combination> {
         "shadow_image_none".into(),
         Module::new(composite::SHADOW_IMAGE_NONE),
     ));
+    modules.push(("sort".into(), sorted_blending::sort_module()));
+    modules.push(("blend".into(), sorted_blending::draw_module()));
+    modules.push(("advance".into(), depth_peeling::advance_module()));
     modules.push((
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
@@ -313,7 +488,7 @@ pub fn layouts() -> Vec<Layout> {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
             point_base, flags, splits, front_base, layer_base, layer_count, front_shift, row_first, row_end,
-            segment_count, hair, map_values, map_colour, clip_from_object, previous_clip_from_object, jitter_motion,
+            chunk_base, hair, map_values, map_colour, clip_from_object, previous_clip_from_object, jitter_motion,
             fibre_run, fibre_run_number, largest_radius, padding_0, padding_1, padding_2,
         }
         Light {
@@ -323,12 +498,13 @@ pub fn layouts() -> Vec<Layout> {
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values, colour }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
-            part_capacity, origin, cut_depth, depth_shift, fibre_runs, occluder_count, padding_0, padding_1, lights,
-            shadow_views, occluders,
+            part_capacity, origin, cut_depth, depth_shift, fibre_runs, seed, key_first, key_packing, place_of_depth, technique,
+            occluder_count, padding_0, padding_1, padding_2, lights, shadow_views, occluders,
         }
         Occluder { clip_from_relative, light, pcf, bias, flags }
         Material { values }
-        Counters { produced, culled, stored, merged, overflow, covered, padding_0, padding_1, walk_arguments, ribbon_arguments }
+        Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand, across, padding_0, padding_1 }
+        Counters { produced, culled, stored, merged, overflow, covered, crowded, padding_0, walk_arguments, ribbon_arguments }
         Point { position, radius }
         Gather {
             origin, first, origin_rest, end, shift, lowest, base, stride, pieces, count,
@@ -355,6 +531,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("DRAWING_REVERSE_Z", layout::DRAWING_REVERSE_Z),
         ("DRAWING_HOST_DEPTH", layout::DRAWING_HOST_DEPTH),
         ("FRAME_REVERSE_Z", layout::FRAME_REVERSE_Z),
+        ("FRAME_NEAREST", layout::FRAME_NEAREST),
         ("POINT_FIRST", layout::POINT_FIRST),
         ("POINT_LAST", layout::POINT_LAST),
         ("POINT_STRAND", layout::POINT_STRAND),

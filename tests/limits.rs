@@ -4,7 +4,10 @@ use pelage::glam::{DVec3, Vec3, Vec4};
 use pelage::groom::{BuiltinGroom, builtin};
 use pelage::host::offscreen::{Offscreen, WantedOutputs};
 use pelage::raster::Raster;
-use pelage::transparency::{Opaque, Storage, Transparency};
+use pelage::transparency::{
+    DepthPeeling, KPlusBuffer, Opaque, RandomSubsets, Rest, SortedBlending, Storage, Transparency,
+    WeightedBlended,
+};
 use pelage::wgpu::{self, Features, Limits};
 use pelage::{Error, Frame, Light, Target};
 
@@ -92,9 +95,18 @@ fn a_device_without_anything_optional_draws_the_same() {
     for transparency in [
         a_buffer(Storage::Counted, Raster::Walk),
         a_buffer(Storage::Lists, Raster::Ribbons),
+        // By 64-bit atomics on the one, by 32-bit ones on the other.
+        Transparency::KPlusBuffer(KPlusBuffer {
+            rest: Rest::Merged,
+            ..KPlusBuffer::default()
+        }),
         Transparency::Opaque(Opaque {
             raster: Raster::Ribbons,
         }),
+        Transparency::WeightedBlended(WeightedBlended::default()),
+        Transparency::DepthPeeling(DepthPeeling::default()),
+        Transparency::RandomSubsets(RandomSubsets::default()),
+        Transparency::SortedBlending(SortedBlending::default()),
     ] {
         let (poor, rich) = (draw(&mut poor, transparency), draw(&mut rich, transparency));
         assert!(rich.0.iter().any(|pixel| pixel.w > 0.5));

@@ -5,7 +5,10 @@ use pelage::glam::{DMat4, DQuat, DVec2, DVec3, DVec4, Vec3};
 use pelage::groom::{BuiltinGroom, Curve, builtin};
 use pelage::host::offscreen::{Image, WantedOutputs};
 use pelage::raster::Raster;
-use pelage::transparency::{Opaque, Storage, Transparency};
+use pelage::transparency::{
+    DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque, RandomSubsets,
+    SortedBlending, Storage, Transparency, WeightedBlended,
+};
 use pelage::{Error, Frame, Hair, Instance, NO_STRAND, Outputs, PreviousView, Target, View, wgpu};
 use pelage_reference::fragments::FragmentLists;
 
@@ -32,14 +35,49 @@ const MOTION: f64 = 4e-3;
 /// does: 1 of 2,163 was measured.
 const TIES: f64 = 0.002;
 
-fn techniques() -> [(&'static str, Transparency); 3] {
+fn techniques() -> [(&'static str, Transparency); 11] {
     [
         ("counted", a_buffer(Storage::Counted, Raster::Walk)),
         ("lists", a_buffer(Storage::Lists, Raster::Ribbons)),
+        ("k_buffer", Transparency::KBuffer(KBuffer::default())),
+        (
+            "k_plus_buffer",
+            Transparency::KPlusBuffer(KPlusBuffer::default()),
+        ),
+        (
+            "k_buffer_single_pass",
+            Transparency::KBufferSinglePass(KBufferSinglePass::default()),
+        ),
+        ("moment", Transparency::Moment(Moment::default())),
         (
             "opaque",
             Transparency::Opaque(Opaque {
                 raster: Raster::Walk,
+            }),
+        ),
+        (
+            "weighted_blended",
+            Transparency::WeightedBlended(WeightedBlended {
+                raster: Raster::Ribbons,
+                ..Default::default()
+            }),
+        ),
+        (
+            "depth_peeling",
+            Transparency::DepthPeeling(DepthPeeling {
+                peels: 3,
+                raster: Raster::Walk,
+            }),
+        ),
+        (
+            "random_subsets",
+            Transparency::RandomSubsets(RandomSubsets::default()),
+        ),
+        (
+            "sorted_blending",
+            Transparency::SortedBlending(SortedBlending {
+                full_precision: true,
+                ..Default::default()
             }),
         ),
     ]

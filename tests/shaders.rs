@@ -38,11 +38,12 @@ fn declared<'a>(text: &'a str, keyword: &str) -> BTreeSet<&'a str> {
 fn every_combination_joins_and_validates() {
     for combination in testing::combinations() {
         let module = parsed(&combination.name, &combination.source);
-        // What unpacking 16-bit floats asks for: every Vulkan device has it.
-        let mut validator = Validator::new(
-            ValidationFlags::all(),
-            Capabilities::SHADER_FLOAT16_IN_FLOAT32,
-        );
+        // What unpacking 16-bit floats asks for: every Vulkan device has it. And 64-bit atomics, which not every one has.
+        let mut capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
+        if combination.name.contains("_64") {
+            capabilities |= Capabilities::SHADER_INT64 | Capabilities::SHADER_INT64_ATOMIC_ALL_OPS;
+        }
+        let mut validator = Validator::new(ValidationFlags::all(), capabilities);
         if let Err(error) = validator.validate(&module) {
             panic!(
                 "{}: {}",

@@ -50,7 +50,7 @@ typedef struct {
     int resized;
 } Choices;
 
-static const char *const transparencies[] = { "A-buffer, counted", "A-buffer, lists", "opaque" };
+static const char *const transparencies[] = { "DBK-buffer", "A-buffer, counted", "A-buffer, lists", "opaque" };
 static const char *const shadows[] = { "deep opacity map", "no shadow" };
 static const char *const rasters[] = { "auto", "ribbons", "walk" };
 static const char *const present_modes[] = { "fifo", "mailbox", "immediate" };
@@ -63,7 +63,7 @@ static void on_key(GLFWwindow *window, int key, int scancode, int action, int mo
         return;
     }
     switch (key) {
-    case GLFW_KEY_T: choices->transparency = (choices->transparency + 1) % 3; break;
+    case GLFW_KEY_T: choices->transparency = (choices->transparency + 1) % 4; break;
     case GLFW_KEY_S: choices->shadow = (choices->shadow + 1) % 2; break;
     case GLFW_KEY_R: choices->raster = (choices->raster + 1) % 3; break;
     case GLFW_KEY_P: choices->present = (choices->present + 1) % 3; break;
@@ -140,12 +140,17 @@ static void render(PelageContext context, PelageHair hair, PelageTarget target, 
     shadow.technique = choices->shadow == 0 ? PELAGE_SHADOW_DEEP_OPACITY_MAP : PELAGE_SHADOW_NONE;
 
     PelageABuffer a_buffer = PELAGE_A_BUFFER_INIT;
-    a_buffer.storage = choices->transparency == 1 ? PELAGE_STORAGE_LISTS : PELAGE_STORAGE_COUNTED;
+    a_buffer.storage = choices->transparency == 2 ? PELAGE_STORAGE_LISTS : PELAGE_STORAGE_COUNTED;
     a_buffer.raster = (uint32_t)choices->raster;
+    PelageDbkBuffer dbk_buffer = PELAGE_DBK_BUFFER_INIT;
+    dbk_buffer.raster = (uint32_t)choices->raster;
     PelageOpaque opaque = PELAGE_OPAQUE_INIT;
     opaque.raster = (uint32_t)choices->raster;
     PelageTransparency transparency = PELAGE_TRANSPARENCY_INIT;
-    transparency.technique = choices->transparency == 2 ? PELAGE_TRANSPARENCY_OPAQUE : PELAGE_TRANSPARENCY_A_BUFFER;
+    static const uint32_t techniques[] = { PELAGE_TRANSPARENCY_DBK_BUFFER, PELAGE_TRANSPARENCY_A_BUFFER,
+                                           PELAGE_TRANSPARENCY_A_BUFFER, PELAGE_TRANSPARENCY_OPAQUE };
+    transparency.technique = techniques[choices->transparency];
+    transparency.dbk_buffer = &dbk_buffer;
     transparency.a_buffer = &a_buffer;
     transparency.opaque = &opaque;
 

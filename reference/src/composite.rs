@@ -50,33 +50,36 @@ pub fn point_colours(colours: &[[f64; 3]]) -> impl Fn(&Fragment) -> [f64; 3] + S
 }
 
 /// Radiance and transmittance while fragments are laid under one another.
-struct Layers {
+pub(crate) struct Layers {
     radiance: [f64; 3],
     transmittance: f64,
 }
 
 impl Layers {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             radiance: [0.0; 3],
             transmittance: 1.0,
         }
     }
 
-    fn under(&mut self, opacity: f64, colour: [f64; 3]) {
+    pub(crate) fn under(&mut self, opacity: f64, colour: [f64; 3]) {
         for (sum, channel) in self.radiance.iter_mut().zip(colour) {
             *sum += self.transmittance * opacity * channel;
         }
         self.transmittance *= 1.0 - opacity;
     }
 
-    fn pixel(self) -> [f64; 4] {
+    pub(crate) fn pixel(&self) -> [f64; 4] {
         let [red, green, blue] = self.radiance;
         [red, green, blue, 1.0 - self.transmittance]
     }
 }
 
-fn image_of(lists: &FragmentLists, pixel: impl Fn(&[Fragment]) -> [f64; 4] + Sync) -> Image {
+pub(crate) fn image_of(
+    lists: &FragmentLists,
+    pixel: impl Fn(&[Fragment]) -> [f64; 4] + Sync,
+) -> Image {
     let pixels = (0..lists.pixels())
         .into_par_iter()
         .map(|i| pixel(lists.pixel(i)))

@@ -8,6 +8,8 @@
 //! - [`coverage`]: the area of a pixel that a fibre covers, exactly and by supersampling
 //! - [`fragments`]: the exact list of fragments of every pixel
 //! - [`composite`]: what those lists look like
+//! - [`blending`]: what they look like to renderers that keep no order, or a coarse one
+//! - [`k_buffer`], [`moment`]: what they look like to a renderer that keeps the nearest of them, or moments of all
 //! - [`transmittance`]: how much light reaches a point through other fibres
 //! - [`shadow_maps`]: what techniques make of that which look a point up in a map of the light
 //! - [`opacity_models`]: what a few numbers a texel know of it
@@ -20,6 +22,7 @@
 //! - [`furnace`]: what a model returns of uniform light
 //! - [`error`]: how far one image is from another
 
+pub mod blending;
 pub mod chiang;
 pub mod composite;
 pub mod coverage;
@@ -29,9 +32,11 @@ pub mod fibre;
 pub mod fragments;
 pub mod fresnel;
 pub mod furnace;
+pub mod k_buffer;
 pub mod k_buffer_volume;
 pub mod kajiya_kay;
 pub mod marschner;
+pub mod moment;
 pub mod opacity_models;
 pub mod project;
 pub mod ray_optics;

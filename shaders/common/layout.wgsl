@@ -30,8 +30,8 @@ struct Drawing {
     // Rows of the view that this pass treats; pooled pixels are numbered from `row_first`.
     row_first: u32,
     row_end: u32,
-    // Segments of the run, and entries of its order.
-    segment_count: u32,
+    // The run's first chunk in the sort of sorted blending.
+    chunk_base: u32,
     // The hair's place in the frame, and its instance in the upper 16 bits.
     hair: u32,
     // The shadow technique's values, in the order in which its files read them.
@@ -137,15 +137,28 @@ struct Frame {
     depth_shift: f32,
     // Where the runs' parameters begin among the points of per-fragment shading, in vectors.
     fibre_runs: u32,
+    // What strands' hashes are made with.
+    seed: u32,
+    // How a depth key and a point share a word: the nearest key of the frame's hair, and bits by which keys are shifted, with
+    // the bits of a point above them.
+    key_first: u32,
+    key_packing: u32,
+    // A depth's place in the extent of all hair along the view's axis, from 0 to 1: (x depth + y) / (z depth + w).
+    place_of_depth: vec4f,
+    // Settings of the transparency technique, in the order in which its files read them.
+    technique: vec4f,
     occluder_count: u32,
     padding_0: u32,
     padding_1: u32,
+    padding_2: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
     occluders: array<Occluder, MAX_OCCLUDERS>,
 }
 
 const FRAME_REVERSE_Z: u32 = 1u;
+// Each pixel's nearest fragment is sought, for outputs or the host's depth.
+const FRAME_NEAREST: u32 = 2u;
 
 // The parameters of a hair's shading model, in the order in which its file reads them.
 struct Material {
@@ -157,6 +170,27 @@ const MATERIAL_VECTORS: u32 = 16u;
 // Vectors of a point, and of a run, in the pool of per-fragment shading.
 const FIBRE_POINT_VECTORS: u32 = 2u;
 const FIBRE_RUN_VECTORS: u32 = 17u;
+// A fibre and the ways to light and eye, of unit length, at which a model is evaluated by itself.
+struct Sample {
+    tangent: vec3f,
+    // Root-to-tip coordinate.
+    coordinate: f32,
+    to_light: vec3f,
+    // Of the light that comes straight, and how many fibres are towards it.
+    transmittance: f32,
+    to_eye: vec3f,
+    fibres: f32,
+    colour: vec3f,
+    strand: u32,
+    // The part of the fibre's width that is seen.
+    across: vec2f,
+    padding_0: f32,
+    padding_1: f32,
+}
+
+// The most fragments of one pixel that counted arrays store: to order more would take more steps than some drivers' loops
+// have. The rest goes to the pixel's tail.
+const PIXEL_MOST: u32 = 8192u;
 
 // Counters of a frame, read back by the host some frames later.
 struct Counters {
@@ -164,11 +198,11 @@ struct Counters {
     culled: atomic<u32>,
     stored: atomic<u32>,
     merged: atomic<u32>,
-    // 1 where the pool is too small for this frame.
+    // 1 where the pool is too small for this frame, or a pixel has more than it may store.
     overflow: atomic<u32>,
     covered: atomic<u32>,
+    crowded: atomic<u32>,
     padding_0: u32,
-    padding_1: u32,
     // Arguments of the overflow's walks and ribbons: all zero, and so none is run, where the pool suffices.
     walk_arguments: vec4u,
     ribbon_arguments: vec4u,

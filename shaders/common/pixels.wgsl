@@ -42,3 +42,9 @@ struct Nearest {
 fn pixel_number(pixel: vec2u) -> u32 {
     return pixel.y * pixels_width + pixel.x - pixels_first;
 }
+
+// A depth's place in the extent of all hair along the view's axis; `coefficients` is frame.place_of_depth.
+fn place_in_extent(coefficients: vec4f, depth: f32) -> f32 {
+    let place = (coefficients.x * depth + coefficients.y) / (coefficients.z * depth + coefficients.w);
+    return clamp(place, 0.0, 1.0);
+}

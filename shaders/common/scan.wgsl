@@ -13,6 +13,7 @@ const SCAN_BLOCK: u32 = 2048u;
 
 var<workgroup> scan_sums: array<u32, SCAN_INVOCATIONS>;
 var<workgroup> scan_covered: atomic<u32>;
+var<workgroup> scan_crowded: atomic<u32>;
 
 fn scan_count() -> u32 {
     return (drawing.row_end - drawing.row_first) * u32(drawing.viewport.x);
@@ -34,6 +35,7 @@ fn scan_blocks(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_in
             let value = fill[first + i];
             sum += value;
             covered += select(0u, 1u, value > 0u);
+            if value > PIXEL_MOST && !SCAN_AGAIN { atomicStore(&scan_crowded, 1u); }
         }
     }
     scan_sums[local] = sum;
@@ -47,7 +49,10 @@ fn scan_blocks(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_in
             total += value;
         }
         links[count + 1u + group.x] = total;
-        if !SCAN_AGAIN { atomicAdd(&counters.covered, atomicLoad(&scan_covered)); }
+        if !SCAN_AGAIN {
+            atomicAdd(&counters.covered, atomicLoad(&scan_covered));
+            if atomicLoad(&scan_crowded) != 0u { atomicStore(&counters.crowded, 1u); }
+        }
     }
     workgroupBarrier();
     if runs {
@@ -83,7 +88,7 @@ fn scan_totals(@builtin(local_invocation_index) local: u32) {
         if !SCAN_AGAIN {
             atomicStore(&counters.produced, total);
             atomicAdd(&counters.stored, total);
-            if total > frame.capacity {
+            if total > frame.capacity || atomicLoad(&counters.crowded) != 0u {
                 atomicStore(&counters.overflow, 1u);
                 let columns = clamp((frame.run_points + 63u) / 64u, 1u, 32768u);
                 counters.walk_arguments = vec4u(columns, frame.run_rows, drawing.splits, 0u);

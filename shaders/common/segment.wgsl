@@ -138,6 +138,20 @@ fn segment_overhang(s: Segment, plane: vec2f, is_end: bool, reach: f32) -> f32 {
     return reach * abs(dot(plane, s.normal)) / max(along, 0.25);
 }
 
+// In clip space, one of the four corners of a strip that holds every pixel that the segment owns.
+fn segment_corner(s: Segment, vertex: u32) -> vec4f {
+    if !s.valid { return vec4f(0.0, 0.0, -1.0, 1.0); }
+    // A pixel whose centre lies at the ribbon's rim must still be drawn.
+    let reach = segment_reach(s) + 0.01;
+    let at_end = vertex >= 2u;
+    let plane = select(s.start_plane, s.end_plane, at_end);
+    let overhang = segment_overhang(s, plane, select(s.starts, s.ends, at_end), reach) + 0.01;
+    let side = select(-reach, reach, (vertex & 1u) == 1u);
+    let corner = select(s.start - overhang * s.tangent, s.end + overhang * s.tangent, at_end) + side * s.normal;
+    let ndc = vec2f(2.0, -2.0) * corner / segment_viewport() + vec2f(-1.0, 1.0);
+    return vec4f(ndc, 0.5, 1.0);
+}
+
 // Whether an end of the strand lies within a footprint of the segment.
 fn segment_near_end(s: Segment) -> bool {
     return min(s.before, s.after) < 1.0;

@@ -8,21 +8,7 @@ struct RibbonVertex {
 
 @vertex
 fn ribbon_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32) -> RibbonVertex {
-    var out: RibbonVertex;
-    out.index = index;
-    out.position = vec4f(0.0, 0.0, -1.0, 1.0);
-    let s = segment(index);
-    if !s.valid { return out; }
-    // A pixel whose centre lies at the ribbon's rim must still be drawn.
-    let reach = segment_reach(s) + 0.01;
-    let at_end = vertex >= 2u;
-    let plane = select(s.start_plane, s.end_plane, at_end);
-    let overhang = segment_overhang(s, plane, select(s.starts, s.ends, at_end), reach) + 0.01;
-    let side = select(-reach, reach, (vertex & 1u) == 1u);
-    let corner = select(s.start - overhang * s.tangent, s.end + overhang * s.tangent, at_end) + side * s.normal;
-    let ndc = vec2f(2.0, -2.0) * corner / segment_viewport() + vec2f(-1.0, 1.0);
-    out.position = vec4f(ndc, 0.5, 1.0);
-    return out;
+    return RibbonVertex(segment_corner(segment(index), vertex), index);
 }
 
 @fragment

@@ -74,7 +74,7 @@ fn tabulated(theta: f32, phi: f32, spread: bool) -> FibreLobes {
 }
 
 fn chiang_azimuthal(pair: FibrePair, spread: bool) -> FibreLobes {
-    if fibre_tables().z > 0u { return fibre_look_up(pair.theta_o, pair.phi, select(0u, 1u, spread)); }
+    if FIBRE_TABLES { return fibre_look_up(pair.theta_o, pair.phi, select(0u, 1u, spread)); }
     return chiang_direct(pair.theta_o, pair.phi, chiang_intervals(), spread);
 }
 
@@ -128,7 +128,7 @@ fn scatter(fibre: Fibre, wi: vec3f, wo: vec3f, shadow: ShadowSample) -> vec3f {
     }
     let n = fibre_tinted(azimuthal, colour);
     let single = vec3f(m.x * n.r) + m.y * n.tt + m.z * n.trt + m.w * n.residual;
-    if fibre_densities().x < 0.0 { return shadow.transmittance * single; }
+    if !FIBRE_DUAL { return shadow.transmittance * single; }
 
     let back = fibre_back(pair, vec3f(0.0), select(0.0, 1.0, pair.phi < FIBRE_HALF_PI));
     let forward = fibre_forward(pair.theta_i, shadow.fibres);

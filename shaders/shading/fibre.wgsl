@@ -268,28 +268,25 @@ fn fibre_azimuthal(cylinder: FibreCylinder, sigma_a: vec3f, s: f32, phi: f32, in
 fn fibre_tables() -> vec4u { return bitcast<vec4u>(material_value(15u)); }
 
 // Azimuthal functions: rows of |θ| from 0 to π/2, columns of φ from 0 to π, ten values each, as f32 or as f16.
-const FIBRE_TABLE_F16: u32 = 0x10000u;
-const FIBRE_TABLE_SIZE: u32 = 0xffffu;
-
-fn fibre_entry(base: u32, half: bool, index: u32) -> FibreLobes {
-    var v: array<f32, 10>;
-    if half {
+// Read one by one: drivers that run on a CPU leave out those that the model does not take.
+fn fibre_entry(base: u32, index: u32) -> FibreLobes {
+    var tt = vec3f(0.0);
+    if FIBRE_TABLE_F16 {
         let at = base + index * 5u;
-        for (var i = 0u; i < 5u; i++) {
-            if !TRANSMITS && i == 1u { continue; }
-            let pair = unpack2x16float(shading_tables[at + i]);
-            v[2u * i] = pair.x;
-            v[2u * i + 1u] = pair.y;
-        }
-    } else {
-        let at = base + index * 10u;
-        for (var i = 0u; i < 10u; i++) {
-            if !TRANSMITS && i >= 1u && i <= 3u { continue; }
-            v[i] = bitcast<f32>(shading_tables[at + i]);
-        }
+        let a = unpack2x16float(shading_tables[at]);
+        let c = unpack2x16float(shading_tables[at + 2u]);
+        let d = unpack2x16float(shading_tables[at + 3u]);
+        let e = unpack2x16float(shading_tables[at + 4u]);
+        if TRANSMITS { tt = vec3f(a.y, unpack2x16float(shading_tables[at + 1u])); }
+        return FibreLobes(a.x, tt, vec3f(c, d.x), vec3f(d.y, e));
     }
-    if !TRANSMITS { v[1] = 0.0; }
-    return FibreLobes(v[0], vec3f(v[1], v[2], v[3]), vec3f(v[4], v[5], v[6]), vec3f(v[7], v[8], v[9]));
+    let at = base + index * 10u;
+    if TRANSMITS { tt = fibre_three(at + 1u); }
+    return FibreLobes(bitcast<f32>(shading_tables[at]), tt, fibre_three(at + 4u), fibre_three(at + 7u));
+}
+
+fn fibre_three(at: u32) -> vec3f {
+    return bitcast<vec3f>(vec3u(shading_tables[at], shading_tables[at + 1u], shading_tables[at + 2u]));
 }
 
 fn fibre_mixed(a: FibreLobes, b: FibreLobes, t: f32) -> FibreLobes {
@@ -299,9 +296,8 @@ fn fibre_mixed(a: FibreLobes, b: FibreLobes, t: f32) -> FibreLobes {
 // The azimuthal functions at |θ| and φ; table 0, or 1: averaged over the half circle around φ.
 fn fibre_look_up(theta: f32, phi: f32, table: u32) -> FibreLobes {
     let place = fibre_tables();
-    let size = place.z & FIBRE_TABLE_SIZE;
-    let half = (place.z & FIBRE_TABLE_F16) != 0u;
-    let words = select(10u, 5u, half);
+    let size = place.z;
+    let words = select(10u, 5u, FIBRE_TABLE_F16);
     let base = place.y + table * size * size * words;
     let last = f32(size - 1u);
     let y = clamp(abs(theta) / FIBRE_HALF_PI, 0.0, 1.0) * last;
@@ -310,8 +306,8 @@ fn fibre_look_up(theta: f32, phi: f32, table: u32) -> FibreLobes {
     let column = min(u32(x), size - 2u);
     let at = row * size + column;
     let t = x - f32(column);
-    let low = fibre_mixed(fibre_entry(base, half, at), fibre_entry(base, half, at + 1u), t);
-    let high = fibre_mixed(fibre_entry(base, half, at + size), fibre_entry(base, half, at + size + 1u), t);
+    let low = fibre_mixed(fibre_entry(base, at), fibre_entry(base, at + 1u), t);
+    let high = fibre_mixed(fibre_entry(base, at + size), fibre_entry(base, at + size + 1u), t);
     return fibre_mixed(low, high, y - f32(row));
 }
 
@@ -332,14 +328,12 @@ fn fibre_angle(theta: f32, field: u32) -> vec3f {
     let row = min(u32(y), FIBRE_ANGLES - 2u);
     let at = fibre_tables().x + row * FIBRE_ANGLE_WORDS + field;
     let next = at + FIBRE_ANGLE_WORDS;
-    let low = vec3f(bitcast<f32>(shading_tables[at]), bitcast<f32>(shading_tables[at + 1u]), bitcast<f32>(shading_tables[at + 2u]));
-    let high = vec3f(bitcast<f32>(shading_tables[next]), bitcast<f32>(shading_tables[next + 1u]), bitcast<f32>(shading_tables[next + 2u]));
-    return mix(low, high, y - f32(row));
+    return mix(fibre_three(at), fibre_three(next), y - f32(row));
 }
 
 // --- dual scattering -----------------------------------------------------------------------------------------------
 
-// Densities d_f, d_b; negative where the model is to be used alone.
+// Densities d_f, d_b.
 fn fibre_densities() -> vec2f { return material_value(14u).xy; }
 
 struct FibreForward {

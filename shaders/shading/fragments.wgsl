@@ -57,6 +57,7 @@ fn shaded_colour(point: u32, along: f32) -> vec3f {
     let end = fibre_points[at + FIBRE_POINT_VECTORS];
     let end_own = fibre_points[at + FIBRE_POINT_VECTORS + 1u];
     fragments_run = frame.fibre_runs + (own.w >> 16u) * FIBRE_RUN_VECTORS;
+    settings_begin();
     let from_tangent = fragments_tangent(start.w);
     let turned = mix(from_tangent, fragments_tangent(end.w), along);
     let size = length(turned);

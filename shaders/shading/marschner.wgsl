@@ -14,7 +14,6 @@ fn marschner_beta() -> vec3f {
     return material_value(2u).xyz;
 }
 var<private> marschner_roughness: f32;
-fn marschner_cubic() -> bool { return material_value(2u).w > 0.0; }
 // w_c, k_G, Δη', Δh.
 fn marschner_caustic() -> vec4f { return material_value(3u); }
 fn marschner_removes_caustic() -> bool { return material_value(4u).w > 0.0; }
@@ -34,18 +33,17 @@ struct MarschnerExit {
     inverse_eta_prime: f32,
     // asin(1 / η'), of the fit.
     c: f32,
-    cubic: bool,
 }
 
 fn marschner_exit_value(e: MarschnerExit, gamma: f32) -> f32 {
     let u = gamma / FIBRE_PI;
     var gamma_t = e.c * u * (3.0 - 4.0 * u * u);
-    if !e.cubic { gamma_t = fibre_asin(sin(gamma) * e.inverse_eta_prime); }
+    if !MARSCHNER_CUBIC { gamma_t = fibre_asin(sin(gamma) * e.inverse_eta_prime); }
     return 2.0 * e.p * gamma_t - 2.0 * gamma + e.p * FIBRE_PI;
 }
 
 fn marschner_exit_slope(e: MarschnerExit, gamma: f32) -> f32 {
-    if e.cubic {
+    if MARSCHNER_CUBIC {
         let u = gamma / FIBRE_PI;
         return 2.0 * e.p * e.c / FIBRE_PI * (3.0 - 12.0 * u * u) - 2.0;
     }
@@ -55,7 +53,7 @@ fn marschner_exit_slope(e: MarschnerExit, gamma: f32) -> f32 {
 
 // γ_c > 0 at which φ turns back, or -1 where it is monotonic.
 fn marschner_turning_point(e: MarschnerExit) -> f32 {
-    if e.cubic {
+    if MARSCHNER_CUBIC {
         let pc = 3.0 * e.p * e.c;
         if pc <= FIBRE_PI { return -1.0; }
         let gamma = FIBRE_PI * sqrt((pc - FIBRE_PI) / (4.0 * pc));
@@ -70,7 +68,7 @@ fn marschner_turning_point(e: MarschnerExit) -> f32 {
 fn marschner_curvature(e: MarschnerExit, gamma: f32) -> f32 {
     let h = sin(gamma);
     let c = max(cos(gamma), 1e-4);
-    if e.cubic { return 48.0 * e.p * e.c / (FIBRE_PI * FIBRE_PI * FIBRE_PI) * gamma / (c * c); }
+    if MARSCHNER_CUBIC { return 48.0 * e.p * e.c / (FIBRE_PI * FIBRE_PI * FIBRE_PI) * gamma / (c * c); }
     let i = e.inverse_eta_prime;
     let inside = max(1.0 - h * h * i * i, 1e-8);
     return abs(2.0 * e.p * h * i * i * i / (inside * sqrt(inside)) - 2.0 * h / (c * c * c));
@@ -103,8 +101,8 @@ fn marschner_of_root(cylinder: FibreCylinder, slope: f32, h: f32, cos_gamma: f32
 
 fn marschner_tt(cylinder: FibreCylinder, phi: f32) -> vec3f {
     let inverse = cylinder.inverse_eta_prime;
-    if marschner_cubic() {
-        let e = MarschnerExit(1.0, inverse, fibre_asin(inverse), true);
+    if MARSCHNER_CUBIC {
+        let e = MarschnerExit(1.0, inverse, fibre_asin(inverse));
         return marschner_sum(cylinder, e, marschner_turning_point(e), phi).tt;
     }
     // γ_i - γ_t = δ: tan γ_i = sin δ / (cos δ - 1/η'), with cos δ - 1/η' = (1 - 1/η') - 2 sin²(δ/2).
@@ -124,7 +122,7 @@ fn marschner_tt(cylinder: FibreCylinder, phi: f32) -> vec3f {
 }
 
 fn marschner_trt(cylinder: FibreCylinder, phi: f32) -> vec3f {
-    let e = MarschnerExit(2.0, cylinder.inverse_eta_prime, fibre_asin(cylinder.inverse_eta_prime), marschner_cubic());
+    let e = MarschnerExit(2.0, cylinder.inverse_eta_prime, fibre_asin(cylinder.inverse_eta_prime));
     let turn = marschner_turning_point(e);
     let n = marschner_sum(cylinder, e, turn, phi).trt;
     if !marschner_removes_caustic() { return n; }
@@ -204,7 +202,7 @@ fn tabulated(theta: f32, phi: f32, spread: bool) -> FibreLobes {
 }
 
 fn marschner_azimuthal(theta_d: f32, phi: f32, spread: bool) -> FibreLobes {
-    if fibre_tables().z > 0u { return fibre_look_up(theta_d, phi, select(0u, 1u, spread)); }
+    if FIBRE_TABLES { return fibre_look_up(theta_d, phi, select(0u, 1u, spread)); }
     return marschner_direct(theta_d, phi, spread);
 }
 
@@ -237,13 +235,13 @@ fn scatter(fibre: Fibre, wi: vec3f, wo: vec3f, shadow: ShadowSample) -> vec3f {
     let factor = fibre_cosine_factor(pair);
     let m = marschner_m(pair, 0.0);
     var n = marschner_azimuthal(theta_d, pair.phi, false);
-    if marschner_eccentricity() != 1.0 {
+    if MARSCHNER_ELLIPTIC {
         let eta = marschner_elliptic_eta(marschner_eta(), marschner_eccentricity(), marschner_phi_h(fibre, wi, wo));
         n.trt = marschner_trt(fibre_cylinder(eta, theta_d), pair.phi);
     }
     n = fibre_tinted(n, colour);
     let single = (vec3f(m.x * n.r) + m.y * n.tt + m.z * n.trt) * factor;
-    if fibre_densities().x < 0.0 { return shadow.transmittance * single; }
+    if !FIBRE_DUAL { return shadow.transmittance * single; }
 
     let back = fibre_back(pair, vec3f(0.0), select(0.0, 1.0, pair.phi < FIBRE_HALF_PI));
     if shadow.fibres <= 0.0 { return shadow.transmittance * (single + back); }

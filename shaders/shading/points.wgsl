@@ -5,6 +5,18 @@
 // The tables of all hairs' models; models without tables do not read it.
 @group(1) @binding(5) var<storage, read> shading_tables: array<u32>;
 
+// MurmurHash3's finaliser.
+fn points_mix(word: u32) -> u32 {
+    let a = (word ^ (word >> 16u)) * 0x85ebca6bu;
+    let b = (a ^ (a >> 13u)) * 0xc2b2ae35u;
+    return b ^ (b >> 16u);
+}
+
+// 16 random bits of a strand, by which techniques part strands.
+fn points_hash(strand: u32) -> u32 {
+    return points_mix(strand ^ points_mix(drawing.hair ^ points_mix(frame.seed + 0x9e3779b9u))) >> 16u;
+}
+
 @compute @workgroup_size(64)
 fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = invocation.x + invocation.y * groups.x * 64u;
@@ -25,5 +37,7 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
     fibre.strand = strand & POINT_STRAND;
     fibre.across = vec2f(-1.0, 1.0);
     let radiance = shading_radiance(fibre, position, frame.light_count);
-    shaded[drawing.point_base + index] = vec2u(pack2x16float(radiance.xy), pack2x16float(vec2f(radiance.z, 0.0)));
+    let hash = points_hash(strand & POINT_STRAND);
+    let words = vec2u(pack2x16float(radiance.xy), pack2x16float(vec2f(radiance.z, 0.0)) | (hash << 16u));
+    shaded[drawing.point_base + index] = words;
 }

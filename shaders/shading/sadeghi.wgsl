@@ -91,7 +91,7 @@ fn scatter(fibre: Fibre, wi: vec3f, wo: vec3f, shadow: ShadowSample) -> vec3f {
     let colour = fibre.colour * mix(vec3f(1.0), sadeghi_tip(), fibre.coordinate);
     let factor = fibre_cosine_factor(pair) / sadeghi_divisor(pair);
     let single = factor * sadeghi_sum(pair, sadeghi_azimuthal(pair.phi, angle), 0.0, colour);
-    if fibre_densities().x < 0.0 { return shadow.transmittance * single; }
+    if !FIBRE_DUAL { return shadow.transmittance * single; }
 
     let back = fibre_back(pair, vec3f(0.0), select(0.0, 1.0, pair.phi < FIBRE_HALF_PI));
     if shadow.fibres <= 0.0 { return shadow.transmittance * (single + back); }

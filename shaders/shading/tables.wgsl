@@ -8,9 +8,9 @@
 fn shading_tabulate(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let number = invocation.x + invocation.y * groups.x * 64u;
     let place = fibre_tables();
-    let size = place.z & FIBRE_TABLE_SIZE;
+    let size = place.z;
     let each = size * size;
-    let count = each * select(1u, 2u, fibre_densities().x >= 0.0);
+    let count = each * select(1u, 2u, FIBRE_DUAL);
     if number >= count { return; }
     let index = number % each;
     let theta = FIBRE_HALF_PI * f32(index / size) / f32(size - 1u);
@@ -18,7 +18,7 @@ fn shading_tabulate(@builtin(global_invocation_id) invocation: vec3u, @builtin(n
     let lobes = tabulated(theta, phi, number >= each);
     let v = array<f32, 10>(lobes.r, lobes.tt.x, lobes.tt.y, lobes.tt.z, lobes.trt.x, lobes.trt.y, lobes.trt.z,
         lobes.residual.x, lobes.residual.y, lobes.residual.z);
-    if (place.z & FIBRE_TABLE_F16) != 0u {
+    if FIBRE_TABLE_F16 {
         // 65504 is the largest; narrower lobes than that are no use in a table.
         for (var i = 0u; i < 5u; i++) {
             let pair = min(vec2f(v[2u * i], v[2u * i + 1u]), vec2f(65504.0));

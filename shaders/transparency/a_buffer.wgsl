@@ -4,48 +4,9 @@
 // A pixel whose list is so long that ordering it would take more than A_BUFFER_STEPS steps has its farthest part
 // merged like a tail: exact transmittance, weighted colour.
 
-@group(3) @binding(0) var<storage, read> counters: array<u32>;
-@group(3) @binding(1) var<storage, read> fill: array<u32>;
-@group(3) @binding(2) var<storage, read> links: array<u32>;
-@group(3) @binding(3) var<storage, read> fragments_0: array<u32>;
-@group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
-@group(3) @binding(5) var<storage, read> fragments_2: array<u32>;
-@group(3) @binding(6) var<storage, read> overflow: array<u32>;
-
-// What lies behind this transmittance changes a pixel by less than 1/4096 of its own radiance.
-const A_BUFFER_UNSEEN: f32 = 0.000244140625;
-// Some drivers end an invocation's loops silently near 65,535 steps.
-const A_BUFFER_STEPS: u32 = 49152u;
-const A_BUFFER_NONE: u32 = 0xffffffffu;
-// The word of Counters that tells of an overflow, and the one that counts nodes asked for.
-const COUNTERS_STORED: u32 = 2u;
-const COUNTERS_OVERFLOW: u32 = 4u;
-
-struct Resolved {
-    // Premultiplied.
-    colour: vec4f,
-    // Key of the nearest fragment.
-    key: u32,
-}
-
 struct Candidate {
     key: u32,
     place: u32,
-}
-
-// One of a fragment's words: 0 its key, 1 its point, 2 its opacity and place along the segment.
-fn a_buffer_word(place: u32, word: u32) -> u32 {
-    let part = frame.part_capacity;
-    if PARTS == 1u || place < part { return fragments_0[place * 3u + word]; }
-    if PARTS == 2u || place < 2u * part { return fragments_1[(place - part) * 3u + word]; }
-    return fragments_2[(place - 2u * part) * 3u + word];
-}
-
-// A fragment's opacity and its place along the segment.
-fn a_buffer_value(place: u32) -> vec2f {
-    let word = a_buffer_word(place, 2u);
-    let root = f32(word & 0xffffu) / 65535.0;
-    return vec2f(root * root, f32(word >> 16u) / 65535.0);
 }
 
 fn a_buffer_order(near: ptr<function, Candidate>, far: ptr<function, Candidate>) {
@@ -56,39 +17,12 @@ fn a_buffer_order(near: ptr<function, Candidate>, far: ptr<function, Candidate>)
     }
 }
 
-// The first fragment of a pixel: a place in counted arrays, a node + 1 in lists. The scatter has counted each pixel's
-// place up to its end, which is where the next one's begins.
-fn a_buffer_first(number: u32) -> u32 {
-    if LISTS { return fill[number]; }
-    return select(links[max(number, 1u) - 1u], 0u, number == 0u);
-}
-
-// One of the sums of a pixel's tail, with its carries.
-fn tail_sum(words: u32, sum: u32) -> f32 {
-    let carries = (overflow[words + TAIL_CARRIES] >> (sum * TAIL_CARRY_BITS)) & 63u;
-    return f32(overflow[words + sum]) + f32(carries) * 4294967296.0;
-}
-
-// The transmittance of a pixel's tail.
-fn a_buffer_tail_through(words: u32) -> f32 {
-    return exp(-tail_sum(words, TAIL_DEPTH) / TAIL_DEPTH_SCALE);
-}
-
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
     shaded_begin(pixel);
     let number = pixel_number(pixel);
     let first = a_buffer_first(number);
-    var count = 0u;
-    if LISTS {
-        var node = first;
-        while node != 0u && count < A_BUFFER_STEPS {
-            count += 1u;
-            node = links[node - 1u];
-        }
-    } else {
-        count = links[number] - first;
-    }
+    let count = a_buffer_count(number, first);
     var result = Resolved(vec4f(0.0), A_BUFFER_NONE);
     var transmittance = 1.0;
     var colour = vec3f(0.0);
@@ -196,15 +130,11 @@ fn resolve(pixel: vec2u) -> Resolved {
         colour += transmittance * (1.0 - through) * sum / max(weight, 1e-20);
         transmittance *= through;
     }
-    let overflowed = select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
-    if overflowed && transmittance > A_BUFFER_UNSEEN {
-        let words = number * OVERFLOW_WORDS;
-        let weight = tail_sum(words, TAIL_WEIGHT) / TAIL_WEIGHT_SCALE;
-        if weight > 0.0 {
-            let through = a_buffer_tail_through(words);
-            colour += transmittance * (1.0 - through) * tail_colour(words, weight);
-            transmittance *= through;
-        }
+    if a_buffer_overflowed() && transmittance > A_BUFFER_UNSEEN {
+        let tail = tail_of(number);
+        colour += transmittance * tail.xyz;
+        transmittance *= tail.w;
+        if result.key == A_BUFFER_NONE && tail.w < 1.0 { result.key = a_buffer_tail_key(number); }
     }
     if transmittance > A_BUFFER_UNSEEN {
         let beyond = resolve_beyond(number);
@@ -234,45 +164,5 @@ fn a_buffer_next(first: u32, count: u32, key: u32, point: u32) -> Candidate {
 }
 
 fn nearest(pixel: vec2u) -> Nearest {
-    pixels_begin();
-    let number = pixel_number(pixel);
-    let first = a_buffer_first(number);
-    var near = Nearest(A_BUFFER_NONE, A_BUFFER_NONE, 0.0, 0.0);
-    // An integer sum, whatever the order of the fragments; from 2^31 on, an optical depth of 32,768, it stays.
-    var depth = 0u;
-    var node = first;
-    var place = first;
-    for (var i = 0u; i < A_BUFFER_STEPS; i++) {
-        if LISTS {
-            if node == 0u { break; }
-            place = node - 1u;
-            node = links[place];
-        } else {
-            if place >= links[number] { break; }
-        }
-        let key = a_buffer_word(place, 0u);
-        let point = a_buffer_word(place, 1u);
-        let value = a_buffer_value(place);
-        place += 1u;
-        if value.x == 0.0 { continue; }
-        depth = min(depth + u32(optical_depth(value.x) * OPTICAL_DEPTH_SCALE + 0.5), 0x80000000u);
-        if key < near.key || (key == near.key && point < near.point) {
-            near.key = key;
-            near.point = point;
-            near.along = value.y;
-        }
-    }
-    var transmittance = exp(-f32(depth) / OPTICAL_DEPTH_SCALE);
-    let overflowed = select(counters[COUNTERS_OVERFLOW] != 0u, counters[COUNTERS_STORED] > frame.capacity, LISTS);
-    if overflowed {
-        let words = number * OVERFLOW_WORDS;
-        let through = a_buffer_tail_through(words);
-        transmittance *= through;
-        // Where nothing was stored, the depth that the tail begins at is all that is known.
-        if !LISTS && near.key == A_BUFFER_NONE && through < 1.0 {
-            near.key = overflow[words + TAIL_FIRST_KEY];
-        }
-    }
-    near.opacity = 1.0 - transmittance * resolve_beyond(number).w;
-    return near;
+    return a_buffer_nearest(pixel);
 }

@@ -50,7 +50,8 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     } else if fragment.opacity > 0.0 {
         let node = atomicAdd(&counters.stored, 1u);
         if node >= a_buffer_capacity {
-            a_buffer_merge(number, fragment);
+            atomicMax(&overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY], 0xffffffffu - key);
+            tail_merge(number, fragment);
             return;
         }
         a_buffer_store(node, key, fragment);

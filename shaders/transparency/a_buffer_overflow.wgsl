@@ -25,7 +25,8 @@ fn a_buffer_share(number: u32, count: u32) -> u32 {
         return min(count, u32(f32(number + 1u) * part) - u32(f32(number) * part));
     }
     // Rounded down by more than the error of f32, so that the shares never sum to more than the pool.
-    return min(count, 1u + u32(f32(count) * (f32(frame.capacity - covered) / produced) * 0.9999));
+    let share = 1u + u32(f32(count) * (f32(frame.capacity - covered) / produced) * 0.9999);
+    return min(min(count, PIXEL_MOST), share);
 }
 
 fn a_buffer_overflow_begin_pixel(number: u32) {

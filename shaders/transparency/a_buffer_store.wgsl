@@ -1,5 +1,5 @@
-// What every technique that stores fragments in the A-buffer's pool writes: a fragment, a step of the search for a pixel's
-// share, and the tail of what does not fit.
+// What every technique that stores fragments in the A-buffer's pool writes: a fragment, and a step of the search for a
+// pixel's share; `tail_emit` merges what does not fit.
 
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 // Counted: first place of a pixel, counted up to its end as fragments are stored. Lists: next node, as in `fill`.
@@ -9,7 +9,6 @@
 @group(3) @binding(3) var<storage, read_write> fragments_0: array<u32>;
 @group(3) @binding(4) var<storage, read_write> fragments_1: array<u32>;
 @group(3) @binding(5) var<storage, read_write> fragments_2: array<u32>;
-@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
 
 var<private> a_buffer_culled: u32;
 var<private> a_buffer_capacity: u32;
@@ -43,21 +42,6 @@ fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
     }
 }
 
-// Adds to one sum of a pixel's tail; its carries are counted beside it.
-fn tail_add(pixel: u32, sum: u32, value: f32) {
-    let steps = u32(value + 0.5);
-    let before = atomicAdd(&overflow[pixel * OVERFLOW_WORDS + sum], steps);
-    if before + steps < before {
-        atomicAdd(&overflow[pixel * OVERFLOW_WORDS + TAIL_CARRIES], 1u << (sum * TAIL_CARRY_BITS));
-    }
-}
-
-fn a_buffer_merge(pixel: u32, fragment: Fragment) {
-    tail_add(pixel, TAIL_DEPTH, optical_depth(fragment.opacity) * TAIL_DEPTH_SCALE);
-    tail_add(pixel, TAIL_WEIGHT, fragment.opacity * TAIL_WEIGHT_SCALE);
-    tail_merge_colour(pixel, fragment);
-}
-
 // Widens the range of a pixel's keys.
 fn a_buffer_range(number: u32, key: u32) {
     let words = number * OVERFLOW_WORDS;
@@ -85,7 +69,7 @@ fn a_buffer_scatter(number: u32, key: u32, fragment: Fragment) {
 // Stores a fragment that lies before the pixel's tail, and merges one that does not.
 fn a_buffer_scatter_overflow(number: u32, key: u32, fragment: Fragment) {
     if key >= atomicLoad(&overflow[number * OVERFLOW_WORDS + TAIL_FIRST_KEY]) {
-        a_buffer_merge(number, fragment);
+        tail_merge(number, fragment);
     } else {
         a_buffer_scatter(number, key, fragment);
     }

@@ -8,6 +8,11 @@ fn shaded_point(point: u32) -> vec3f {
     return vec3f(unpack2x16float(words.x), unpack2x16float(words.y).x);
 }
 
+// The hash of the strand that a point is of, 16 bits.
+fn shaded_hash(point: u32) -> u32 {
+    return shaded[point].y >> 16u;
+}
+
 // Before the first colour in a pixel of the view.
 fn shaded_begin(pixel: vec2u) {}
 

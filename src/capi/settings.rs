@@ -16,7 +16,11 @@ use crate::shadow::{
     ApproximatedDeepShadowMap, Attenuation, DeepOpacityMap, KBufferVolume, MomentOpacityMap,
     OpacityShadowMaps, Shadow, ShadowMap,
 };
-use crate::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
+use crate::transparency::{
+    ABuffer, Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
+    Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, Weight,
+    WeightedBlended,
+};
 use glam::Vec3;
 
 /// Kajiya and Kay 1989.
@@ -32,7 +36,9 @@ pub const PELAGE_SHADING_CHIANG: u32 = 4;
 
 /// At strand points, once a view; a fragment's colour is interpolated along its segment.
 pub const PELAGE_SHADING_RATE_POINT: u32 = 0;
-/// At each fragment that the transparency technique keeps, at its own position.
+/// At each fragment that the transparency technique keeps, at its own position. Refused with weighted blended, depth peeling,
+/// random subsets, sorted blending, the single-pass k-buffer, moments, and the k+-buffer with `PELAGE_REST_MERGED`, which need
+/// colours before they know what they keep.
 pub const PELAGE_SHADING_RATE_FRAGMENT: u32 = 1;
 
 /// Of the exact exit angle.
@@ -86,6 +92,22 @@ pub const PELAGE_TRANSPARENCY_OPAQUE: u32 = 0;
 pub const PELAGE_TRANSPARENCY_A_BUFFER: u32 = 1;
 /// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
 pub const PELAGE_TRANSPARENCY_DBK_BUFFER: u32 = 10;
+/// McGuire and Bavoil 2013: the mean of all fragments weighed by depth, at their exact opacity.
+pub const PELAGE_TRANSPARENCY_WEIGHTED_BLENDED: u32 = 4;
+/// Everitt 2001: the nearest fragments found one after the other, the rest merged.
+pub const PELAGE_TRANSPARENCY_DEPTH_PEELING: u32 = 5;
+/// Hunz 2016: the nearest fragment of each of some random subsets of the strands.
+pub const PELAGE_TRANSPARENCY_RANDOM_SUBSETS: u32 = 3;
+/// Kim 2003: segments sorted into bins of depth, and blended in that order.
+pub const PELAGE_TRANSPARENCY_SORTED_BLENDING: u32 = 2;
+/// Every fragment stored, the K nearest of each pixel sorted and composited (Yu et al. 2012).
+pub const PELAGE_TRANSPARENCY_K_BUFFER: u32 = 6;
+/// The K nearest fragments of each pixel stored and composited (Vasilakis and Fudos 2014, Hunz 2016).
+pub const PELAGE_TRANSPARENCY_K_PLUS_BUFFER: u32 = 7;
+/// Fragments linked in order as they come, unless K nearer ones are there (Yu et al. 2012).
+pub const PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS: u32 = 8;
+/// Colours weighted by a transmittance that moments of optical depth give (Muenstermann et al. 2018, Sharpe 2018).
+pub const PELAGE_TRANSPARENCY_MOMENT: u32 = 9;
 
 /// The library chooses.
 pub const PELAGE_RASTER_AUTO: u32 = 0;
@@ -98,6 +120,38 @@ pub const PELAGE_RASTER_WALK: u32 = 2;
 pub const PELAGE_STORAGE_COUNTED: u32 = 0;
 /// Per-pixel linked lists.
 pub const PELAGE_STORAGE_LISTS: u32 = 1;
+
+/// Every fragment weighs the same.
+pub const PELAGE_WEIGHT_UNIFORM: u32 = 0;
+/// Opacity times the third power of the distance from the hair's far end.
+pub const PELAGE_WEIGHT_CUBIC: u32 = 1;
+/// exp(-falloff d), d from 0 at the hair's near end to 1 at its far one.
+pub const PELAGE_WEIGHT_EXPONENTIAL: u32 = 2;
+
+/// Farthest segments first, each over what is there.
+pub const PELAGE_BLEND_ORDER_BACK_TO_FRONT: u32 = 0;
+/// Nearest segments first, each under what is there.
+pub const PELAGE_BLEND_ORDER_FRONT_TO_BACK: u32 = 1;
+/// What lies behind the K nearest is one layer of exact opacity, in the mean of its own colours.
+pub const PELAGE_REST_MERGED: u32 = 0;
+/// It is one layer of exact opacity, in the mean colour of the K.
+pub const PELAGE_REST_ALPHA: u32 = 1;
+/// It is left out, as published.
+pub const PELAGE_REST_DROPPED: u32 = 2;
+
+/// 64-bit atomics where the device was opened with them, else 32-bit ones.
+pub const PELAGE_ATOMICS_AUTO: u32 = 0;
+/// 64-bit atomics, in one pass; on a device without them rendering fails with PELAGE_UNSUPPORTED.
+pub const PELAGE_ATOMICS_64: u32 = 1;
+/// 32-bit atomics, in two passes.
+pub const PELAGE_ATOMICS_32: u32 = 2;
+
+/// One way through a pixel's list selects all K (Yu et al. 2012).
+pub const PELAGE_SELECTION_REGISTERS: u32 = 0;
+/// It selects eight.
+pub const PELAGE_SELECTION_ROUNDS: u32 = 1;
+/// It selects one: a selection sort (Yang et al. 2010), for comparison.
+pub const PELAGE_SELECTION_SORT: u32 = 2;
 
 /// Kajiya and Kay's diffuse and specular lobes.
 #[repr(C)]
@@ -236,6 +290,8 @@ pub struct PelageMarschner {
     pub roughness_tip: f32,
     /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
     pub lobe_tolerance: f32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageMarschner {
@@ -266,11 +322,12 @@ impl Default for PelageMarschner {
             roughness_strand: model.roughness.strand,
             roughness_tip: model.roughness.tip,
             lobe_tolerance: model.lobe_tolerance,
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", lobe_tolerance: f32);
+descriptor!(PelageMarschner, "PELAGE_MARSCHNER_INIT", disorder: f32);
 
 /// One lobe of Sadeghi's model.
 #[repr(C)]
@@ -342,6 +399,8 @@ pub struct PelageSadeghi {
     pub roughness_tip: f32,
     /// Radiance by which no fibre may change where the TT lobe is left out, from 0, never, to 1e6.
     pub lobe_tolerance: f32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageSadeghi {
@@ -365,11 +424,12 @@ impl Default for PelageSadeghi {
             roughness_strand: model.roughness.strand,
             roughness_tip: model.roughness.tip,
             lobe_tolerance: model.lobe_tolerance,
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", lobe_tolerance: f32);
+descriptor!(PelageSadeghi, "PELAGE_SADEGHI_INIT", disorder: f32);
 
 /// Chiang et al. 2016, d'Eon et al. 2011.
 #[repr(C)]
@@ -410,6 +470,8 @@ pub struct PelageChiang {
     /// 1: fibres wider than a pixel are shaded by where the pixel lies across them, at `PELAGE_SHADING_RATE_FRAGMENT`; 0: all by
     /// the mean over their width.
     pub near_field: u32,
+    /// How much its fibres lie in other directions, from 0, combed hair, to 1.
+    pub disorder: f32,
 }
 
 impl Default for PelageChiang {
@@ -435,11 +497,12 @@ impl Default for PelageChiang {
             roughness_tip: model.roughness.tip,
             lobe_tolerance: model.lobe_tolerance,
             near_field: u32::from(model.near_field),
+            disorder: dual.disorder,
         }
     }
 }
 
-descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", near_field: u32);
+descriptor!(PelageChiang, "PELAGE_CHIANG_INIT", disorder: f32);
 
 /// A shading model with its parameters.
 #[repr(C)]
@@ -856,6 +919,247 @@ impl Default for PelageDbkBuffer {
 
 descriptor!(PelageDbkBuffer, "PELAGE_DBK_BUFFER_INIT", pool_bytes: u64);
 
+/// Settings of weighted blended transparency. 28 bytes a pixel.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageWeightedBlended {
+    /// `sizeof(PelageWeightedBlended)`.
+    pub struct_size: u32,
+    /// `PELAGE_WEIGHT_…`.
+    pub weight: u32,
+    /// For `PELAGE_WEIGHT_EXPONENTIAL`, from 0 to 100: the hair's optical depth.
+    pub falloff: f32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageWeightedBlended {
+    fn default() -> Self {
+        let falloff = match WeightedBlended::default().weight {
+            Weight::Exponential { falloff } => falloff,
+            _ => 0.0,
+        };
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            weight: PELAGE_WEIGHT_EXPONENTIAL,
+            falloff,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageWeightedBlended, "PELAGE_WEIGHTED_BLENDED_INIT", raster: u32);
+
+/// Settings of depth peeling. 56 bytes a pixel.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageDepthPeeling {
+    /// `sizeof(PelageDepthPeeling)`.
+    pub struct_size: u32,
+    /// Fragments of a pixel that are composited in their order, from 1 to 1024; what lies behind them is merged.
+    pub peels: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageDepthPeeling {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            peels: DepthPeeling::default().peels,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageDepthPeeling, "PELAGE_DEPTH_PEELING_INIT", raster: u32);
+
+/// Settings of random subsets. 12 bytes a pixel and subset, and 4 a pixel for the exact opacity.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageRandomSubsets {
+    /// `sizeof(PelageRandomSubsets)`.
+    pub struct_size: u32,
+    /// Subsets, from 1 to 32.
+    pub subsets: u32,
+    /// What strands are parted by: another seed, another picture.
+    pub seed: u32,
+    /// 1: a pixel has the opacity of all its fragments; 0: as published, only that of those that are kept.
+    pub exact_alpha: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageRandomSubsets {
+    fn default() -> Self {
+        let settings = RandomSubsets::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            subsets: settings.subsets,
+            seed: settings.seed,
+            exact_alpha: u32::from(settings.exact_alpha),
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageRandomSubsets, "PELAGE_RANDOM_SUBSETS_INIT", raster: u32);
+
+/// Settings of sorted blending. It draws ribbons, whatever their width.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageSortedBlending {
+    /// `sizeof(PelageSortedBlending)`.
+    pub struct_size: u32,
+    /// Bins of depth, from 1 to 4096.
+    pub bins: u32,
+    /// `PELAGE_BLEND_ORDER_…`.
+    pub order: u32,
+    /// Frames after a sorted one that take its order, as long as they draw the same hair; 0: every frame is sorted.
+    pub reuse: u32,
+    /// 0: blended as 16-bit floats, 8 bytes a pixel; 1: as 32-bit floats where the device blends these, 16 bytes a pixel.
+    pub full_precision: u32,
+}
+
+impl Default for PelageSortedBlending {
+    fn default() -> Self {
+        let settings = SortedBlending::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            bins: settings.bins,
+            order: PELAGE_BLEND_ORDER_BACK_TO_FRONT,
+            reuse: settings.reuse,
+            full_precision: u32::from(settings.full_precision),
+        }
+    }
+}
+
+descriptor!(PelageSortedBlending, "PELAGE_SORTED_BLENDING_INIT", full_precision: u32);
+
+/// Settings of the k-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageKBuffer {
+    /// `sizeof(PelageKBuffer)`.
+    pub struct_size: u32,
+    /// Fragments of a pixel that keep their order, from 1 to 64.
+    pub k: u32,
+    /// `PELAGE_REST_…`.
+    pub rest: u32,
+    /// `PELAGE_SELECTION_…`; the picture does not depend on it.
+    pub selection: u32,
+    /// `PELAGE_STORAGE_…`.
+    pub storage: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    pub pool_bytes: u64,
+}
+
+impl Default for PelageKBuffer {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            k: KBuffer::default().k,
+            rest: PELAGE_REST_MERGED,
+            selection: PELAGE_SELECTION_REGISTERS,
+            storage: PELAGE_STORAGE_COUNTED,
+            raster: PELAGE_RASTER_AUTO,
+            pool_bytes: 0,
+        }
+    }
+}
+
+descriptor!(PelageKBuffer, "PELAGE_K_BUFFER_INIT", pool_bytes: u64);
+
+/// Settings of the k+-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageKPlusBuffer {
+    /// `sizeof(PelageKPlusBuffer)`.
+    pub struct_size: u32,
+    /// Fragments of a pixel that are kept, from 1 to 64, in 8 bytes each.
+    pub k: u32,
+    /// `PELAGE_REST_…`.
+    pub rest: u32,
+    /// `PELAGE_ATOMICS_…`; the picture does not depend on it.
+    pub atomics: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageKPlusBuffer {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            k: KPlusBuffer::default().k,
+            rest: PELAGE_REST_ALPHA,
+            atomics: PELAGE_ATOMICS_AUTO,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageKPlusBuffer, "PELAGE_K_PLUS_BUFFER_INIT", raster: u32);
+
+/// Settings of the single-pass k-buffer.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageKBufferSinglePass {
+    /// `sizeof(PelageKBufferSinglePass)`.
+    pub struct_size: u32,
+    /// Fragments of a pixel that keep their order, from 1 to 64.
+    pub k: u32,
+    /// `PELAGE_REST_…`.
+    pub rest: u32,
+    /// How often a fragment tries again, where others were faster, before it is merged: up to 255.
+    pub retries: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+    /// 0.
+    pub reserved: u32,
+    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    pub pool_bytes: u64,
+}
+
+impl Default for PelageKBufferSinglePass {
+    fn default() -> Self {
+        let KBufferSinglePass { k, retries, .. } = KBufferSinglePass::default();
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            k,
+            rest: PELAGE_REST_MERGED,
+            retries,
+            raster: PELAGE_RASTER_AUTO,
+            reserved: 0,
+            pool_bytes: 0,
+        }
+    }
+}
+
+descriptor!(PelageKBufferSinglePass, "PELAGE_K_BUFFER_SINGLE_PASS_INIT", pool_bytes: u64);
+
+/// Settings of moment-based transparency.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageMoment {
+    /// `sizeof(PelageMoment)`.
+    pub struct_size: u32,
+    /// `PELAGE_RASTER_…`.
+    pub raster: u32,
+}
+
+impl Default for PelageMoment {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            raster: PELAGE_RASTER_AUTO,
+        }
+    }
+}
+
+descriptor!(PelageMoment, "PELAGE_MOMENT_INIT", raster: u32);
+
 /// A transparency technique with its settings.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -870,6 +1174,22 @@ pub struct PelageTransparency {
     pub a_buffer: *const PelageABuffer,
     /// For `PELAGE_TRANSPARENCY_DBK_BUFFER`; NULL: as `PELAGE_DBK_BUFFER_INIT`.
     pub dbk_buffer: *const PelageDbkBuffer,
+    /// For `PELAGE_TRANSPARENCY_WEIGHTED_BLENDED`; NULL: as `PELAGE_WEIGHTED_BLENDED_INIT`.
+    pub weighted_blended: *const PelageWeightedBlended,
+    /// For `PELAGE_TRANSPARENCY_DEPTH_PEELING`; NULL: as `PELAGE_DEPTH_PEELING_INIT`.
+    pub depth_peeling: *const PelageDepthPeeling,
+    /// For `PELAGE_TRANSPARENCY_RANDOM_SUBSETS`; NULL: as `PELAGE_RANDOM_SUBSETS_INIT`.
+    pub random_subsets: *const PelageRandomSubsets,
+    /// For `PELAGE_TRANSPARENCY_SORTED_BLENDING`; NULL: as `PELAGE_SORTED_BLENDING_INIT`.
+    pub sorted_blending: *const PelageSortedBlending,
+    /// For `PELAGE_TRANSPARENCY_K_BUFFER`; NULL: as `PELAGE_K_BUFFER_INIT`.
+    pub k_buffer: *const PelageKBuffer,
+    /// For `PELAGE_TRANSPARENCY_K_PLUS_BUFFER`; NULL: as `PELAGE_K_PLUS_BUFFER_INIT`.
+    pub k_plus_buffer: *const PelageKPlusBuffer,
+    /// For `PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS`; NULL: as `PELAGE_K_BUFFER_SINGLE_PASS_INIT`.
+    pub k_buffer_single_pass: *const PelageKBufferSinglePass,
+    /// For `PELAGE_TRANSPARENCY_MOMENT`; NULL: as `PELAGE_MOMENT_INIT`.
+    pub moment: *const PelageMoment,
 }
 
 impl Default for PelageTransparency {
@@ -880,11 +1200,19 @@ impl Default for PelageTransparency {
             opaque: null(),
             a_buffer: null(),
             dbk_buffer: null(),
+            weighted_blended: null(),
+            depth_peeling: null(),
+            random_subsets: null(),
+            sorted_blending: null(),
+            k_buffer: null(),
+            k_plus_buffer: null(),
+            k_buffer_single_pass: null(),
+            moment: null(),
         }
     }
 }
 
-descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", dbk_buffer: *const PelageDbkBuffer);
+descriptor!(PelageTransparency, "PELAGE_TRANSPARENCY_INIT", moment: *const PelageMoment);
 
 /// What stands behind a pointer to settings, or their defaults behind NULL.
 unsafe fn settings<T: descriptor::Descriptor>(name: &str, pointer: *const T) -> Result<T> {
@@ -929,8 +1257,8 @@ fn switch(name: &str, value: u32) -> Result<bool> {
     }
 }
 
-fn dual_scattering(on: u32, forward: f32, backward: f32) -> Result<Option<DualScattering>> {
-    Ok(switch("dual_scattering", on)?.then_some(DualScattering { forward, backward }))
+fn dual_scattering(on: u32, dual: DualScattering) -> Result<Option<DualScattering>> {
+    Ok(switch("dual_scattering", on)?.then_some(dual))
 }
 
 fn marschner(given: &PelageMarschner) -> Result<Marschner> {
@@ -955,8 +1283,11 @@ fn marschner(given: &PelageMarschner) -> Result<Marschner> {
         tables: tables(given.table_size, given.table_precision)?,
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
         roughness: RoughnessVariation {
             strand: given.roughness_strand,
@@ -979,8 +1310,11 @@ fn sadeghi(given: &PelageSadeghi) -> Result<Sadeghi> {
         tip_colour: given.tip_colour.into(),
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
         roughness: RoughnessVariation {
             strand: given.roughness_strand,
@@ -1002,8 +1336,11 @@ fn chiang(given: &PelageChiang) -> Result<Chiang> {
         tables: tables(given.table_size, given.table_precision)?,
         dual_scattering: dual_scattering(
             given.dual_scattering,
-            given.forward_density,
-            given.backward_density,
+            DualScattering {
+                forward: given.forward_density,
+                backward: given.backward_density,
+                disorder: given.disorder,
+            },
         )?,
         roughness: RoughnessVariation {
             strand: given.roughness_strand,
@@ -1262,7 +1599,56 @@ pub(super) unsafe fn transparency(
                 epsilon: given.epsilon,
                 depth_shift: (given.depth_shift != 0.0).then_some(given.depth_shift),
                 raster: raster(given.raster)?,
-                pool_bytes: (given.pool_bytes > 0).then_some(given.pool_bytes),
+                pool_bytes: pool(given.pool_bytes),
+            })
+        }
+        PELAGE_TRANSPARENCY_WEIGHTED_BLENDED => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("weighted_blended", given.weighted_blended) }?;
+            Transparency::WeightedBlended(weighted_blended(&given)?)
+        }
+        PELAGE_TRANSPARENCY_DEPTH_PEELING => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("depth_peeling", given.depth_peeling) }?;
+            Transparency::DepthPeeling(DepthPeeling {
+                peels: given.peels,
+                raster: raster(given.raster)?,
+            })
+        }
+        PELAGE_TRANSPARENCY_RANDOM_SUBSETS => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("random_subsets", given.random_subsets) }?;
+            Transparency::RandomSubsets(RandomSubsets {
+                subsets: given.subsets,
+                seed: given.seed,
+                exact_alpha: switch("exact_alpha", given.exact_alpha)?,
+                raster: raster(given.raster)?,
+            })
+        }
+        PELAGE_TRANSPARENCY_SORTED_BLENDING => {
+            // SAFETY: the rule of the module `capi`.
+            let given = unsafe { settings("sorted_blending", given.sorted_blending) }?;
+            Transparency::SortedBlending(sorted_blending(&given)?)
+        }
+        PELAGE_TRANSPARENCY_K_BUFFER => {
+            // SAFETY: the rule of the module `capi`.
+            Transparency::KBuffer(k_buffer(&unsafe { settings("k_buffer", given.k_buffer) }?)?)
+        }
+        PELAGE_TRANSPARENCY_K_PLUS_BUFFER => {
+            // SAFETY: the rule of the module `capi`.
+            let plus = unsafe { settings("k_plus_buffer", given.k_plus_buffer) }?;
+            Transparency::KPlusBuffer(k_plus_buffer(&plus)?)
+        }
+        PELAGE_TRANSPARENCY_K_BUFFER_SINGLE_PASS => {
+            // SAFETY: the rule of the module `capi`.
+            let single = unsafe { settings("k_buffer_single_pass", given.k_buffer_single_pass) }?;
+            Transparency::KBufferSinglePass(k_buffer_single_pass(&single)?)
+        }
+        PELAGE_TRANSPARENCY_MOMENT => {
+            // SAFETY: the rule of the module `capi`.
+            let moment = unsafe { settings("moment", given.moment) }?;
+            Transparency::Moment(Moment {
+                raster: raster(moment.raster)?,
             })
         }
         unknown => {
@@ -1272,17 +1658,103 @@ pub(super) unsafe fn transparency(
     transparency.validate().map(|()| Some(transparency))
 }
 
+fn weighted_blended(given: &PelageWeightedBlended) -> Result<WeightedBlended> {
+    let weight = match given.weight {
+        PELAGE_WEIGHT_UNIFORM => Weight::Uniform,
+        PELAGE_WEIGHT_CUBIC => Weight::Cubic,
+        PELAGE_WEIGHT_EXPONENTIAL => Weight::Exponential {
+            falloff: given.falloff,
+        },
+        unknown => return invalid!("weight {unknown} is not one of PELAGE_WEIGHT_…"),
+    };
+    Ok(WeightedBlended {
+        weight,
+        raster: raster(given.raster)?,
+    })
+}
+
+fn sorted_blending(given: &PelageSortedBlending) -> Result<SortedBlending> {
+    let order = match given.order {
+        PELAGE_BLEND_ORDER_BACK_TO_FRONT => BlendOrder::BackToFront,
+        PELAGE_BLEND_ORDER_FRONT_TO_BACK => BlendOrder::FrontToBack,
+        unknown => return invalid!("order {unknown} is not one of PELAGE_BLEND_ORDER_…"),
+    };
+    Ok(SortedBlending {
+        bins: given.bins,
+        order,
+        reuse: given.reuse,
+        full_precision: switch("full_precision", given.full_precision)?,
+    })
+}
+
 fn a_buffer(given: &PelageABuffer) -> Result<ABuffer> {
     reserved("PelageABuffer", given.reserved)?;
-    let storage = match given.storage {
-        PELAGE_STORAGE_COUNTED => Storage::Counted,
-        PELAGE_STORAGE_LISTS => Storage::Lists,
-        unknown => return invalid!("storage {unknown} is not one of PELAGE_STORAGE_…"),
-    };
-    let pool_bytes = (given.pool_bytes > 0).then_some(given.pool_bytes);
     Ok(ABuffer {
-        storage,
+        storage: storage(given.storage)?,
         raster: raster(given.raster)?,
-        pool_bytes,
+        pool_bytes: pool(given.pool_bytes),
     })
+}
+
+fn k_buffer(given: &PelageKBuffer) -> Result<KBuffer> {
+    Ok(KBuffer {
+        k: given.k,
+        rest: rest(given.rest)?,
+        selection: match given.selection {
+            PELAGE_SELECTION_REGISTERS => Selection::Registers,
+            PELAGE_SELECTION_ROUNDS => Selection::Rounds,
+            PELAGE_SELECTION_SORT => Selection::Sort,
+            unknown => return invalid!("selection {unknown} is not one of PELAGE_SELECTION_…"),
+        },
+        storage: storage(given.storage)?,
+        raster: raster(given.raster)?,
+        pool_bytes: pool(given.pool_bytes),
+    })
+}
+
+fn k_plus_buffer(given: &PelageKPlusBuffer) -> Result<KPlusBuffer> {
+    Ok(KPlusBuffer {
+        k: given.k,
+        rest: rest(given.rest)?,
+        atomics: match given.atomics {
+            PELAGE_ATOMICS_AUTO => Atomics::Auto,
+            PELAGE_ATOMICS_64 => Atomics::Bits64,
+            PELAGE_ATOMICS_32 => Atomics::Bits32,
+            unknown => return invalid!("atomics {unknown} is not one of PELAGE_ATOMICS_…"),
+        },
+        raster: raster(given.raster)?,
+    })
+}
+
+fn k_buffer_single_pass(given: &PelageKBufferSinglePass) -> Result<KBufferSinglePass> {
+    reserved("PelageKBufferSinglePass", given.reserved)?;
+    Ok(KBufferSinglePass {
+        k: given.k,
+        rest: rest(given.rest)?,
+        retries: given.retries,
+        raster: raster(given.raster)?,
+        pool_bytes: pool(given.pool_bytes),
+    })
+}
+
+fn storage(value: u32) -> Result<Storage> {
+    match value {
+        PELAGE_STORAGE_COUNTED => Ok(Storage::Counted),
+        PELAGE_STORAGE_LISTS => Ok(Storage::Lists),
+        _ => invalid!("storage {value} is not one of PELAGE_STORAGE_…"),
+    }
+}
+
+fn rest(value: u32) -> Result<Rest> {
+    match value {
+        PELAGE_REST_MERGED => Ok(Rest::Merged),
+        PELAGE_REST_ALPHA => Ok(Rest::Alpha),
+        PELAGE_REST_DROPPED => Ok(Rest::Dropped),
+        _ => invalid!("rest {value} is not one of PELAGE_REST_…"),
+    }
+}
+
+/// `pool_bytes`, in which 0 leaves it to the library.
+fn pool(bytes: u64) -> Option<u64> {
+    (bytes > 0).then_some(bytes)
 }

@@ -24,11 +24,12 @@ pub struct PelageStatistics {
     /// Fragments that the rasteriser found within the view's depth range, like all counts of fragments below of the latest
     /// frame whose counters have come back: after `pelage_wait`, the latest.
     pub fragments_produced: u64,
-    /// Of these, dropped before they were stored, since they cannot be seen.
+    /// Of these, dropped before they were stored: since they cannot be seen, or since the technique leaves out what it does
+    /// not keep.
     pub fragments_culled: u64,
     /// Stored one by one.
     pub fragments_stored: u64,
-    /// Merged into a pixel's tail, since the pool was too small.
+    /// Merged into one layer of their pixel: since the pool was too small, or since the technique stores fewer or none.
     pub fragments_merged: u64,
     /// Pixels that hold a fragment; counted arrays only, 0 elsewhere.
     pub covered_pixels: u64,

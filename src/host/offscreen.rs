@@ -129,7 +129,9 @@ impl Offscreen {
 
     /// A device of an adapter.
     pub(super) async fn on_adapter(adapter: &wgpu::Adapter) -> Result<Self> {
-        let wanted = wgpu::Features::FLOAT32_BLENDABLE;
+        let wanted = wgpu::Features::FLOAT32_BLENDABLE
+            | wgpu::Features::SHADER_INT64
+            | wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS;
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("pelage"),

@@ -51,7 +51,7 @@ impl Raster {
 /// One stage of a technique that takes fragments.
 pub(crate) struct Emission {
     pub label: &'static str,
-    /// The value of `STAGE` in the module.
+    /// The value of `STAGE` in the module, which may hold settings beside the stage's own number.
     pub stage: u32,
     /// The files that supply `emit_begin`, `emit` and `emit_end`.
     pub files: &'static [&'static str],
@@ -78,7 +78,7 @@ impl Emission {
     /// What tells its pipelines apart.
     fn variant(&self, plan: &Plan) -> u32 {
         let unshaded = plan.shader.rate == ShadingRate::Fragment && self.has_tail();
-        u32::from(unshaded) * 4 + plan.parts
+        self.stage << 3 | u32::from(unshaded) << 2 | plan.parts
     }
 
     pub(crate) fn module(&self, rasteriser: &'static str, parts: u32, rate: ShadingRate) -> Module {

@@ -32,6 +32,12 @@ const MIN_COS_THETA_D: f64 = 0.01;
 /// The least 1 - ā_f² that is divided by.
 const MIN_LOSS: f64 = 1e-9;
 
+/// ∫ θ² cos θ dθ / ∫ cos θ dθ: the variance of inclination of light that comes from everywhere.
+const ISOTROPIC_VARIANCE: f64 = PI * PI / 4.0 - 2.0;
+/// How much of its decay a fibre light keeps where fibres lie in all directions: it goes round, by shorter ways than the light's
+/// own, along which fibres are counted. Fitted to traced hair: `tests/shading/truth.rs`.
+const DISORDERED_DECAY: f64 = 0.3;
+
 /// Nodes and weights of eight-point Gauss-Legendre on [-1, 1], the positive half.
 const EIGHT: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -294,7 +300,7 @@ impl Averaged {
     fn dual(
         &self,
         theta_i: f64,
-        backward_density: f64,
+        dual: &DualScattering,
         divisor: &dyn Fn(f64, f64) -> DVec3,
     ) -> [DVec3; 5] {
         // Sums over lobes of the part, and of the part times shift and variance; forward and backward.
@@ -329,6 +335,9 @@ impl Averaged {
         let [alpha_f, alpha_b] = [0, 1].map(|half| mean(sums[half][1], sums[half][0]));
         let [f2, b2] = [0, 1].map(|half| mean(sums[half][2], sums[half][0]));
 
+        // Of light that comes through fibres in other directions than the shaded one.
+        let disorder = f64::from(dual.disorder);
+        let f2 = f2 + disorder * ISOTROPIC_VARIANCE;
         let a_f2 = a_f * a_f;
         let loss = (DVec3::ONE - a_f2).max(DVec3::splat(MIN_LOSS));
         let (loss2, loss3) = (loss * loss, loss * loss * loss);
@@ -340,10 +349,11 @@ impl Averaged {
         let once = (2.0 * f2 + b2).map(f64::sqrt);
         let thrice = (2.0 * f2 + 3.0 * b2).map(f64::sqrt);
         let spread = (once + a_b2 * thrice) / (DVec3::ONE + a_b2);
-        let sigma = (DVec3::ONE + backward_density * a_f2) * spread;
+        let sigma = (DVec3::ONE + f64::from(dual.backward) * a_f2) * spread;
         // Two streams that feed each other: I' = -(1 - ā_f) I + ā_b J, -J' = -(1 - ā_f) J + ā_b I. Both fall by this a fibre.
         let lost = DVec3::ONE - a_f;
-        let decay = (lost * lost - a_b * a_b).max(DVec3::ZERO).map(f64::sqrt);
+        let decay = (lost * lost - a_b * a_b).max(DVec3::ZERO).map(f64::sqrt)
+            * (1.0 - (1.0 - DISORDERED_DECAY) * disorder);
         [DVec3::ONE - decay, f2, back, delta, sigma]
     }
 
@@ -375,9 +385,7 @@ impl Averaged {
             let theta = theta(row);
             let uniform = self.uniform(theta, &divisor);
             let whole = albedo.get(row).copied().unwrap_or(DVec3::ONE);
-            let averages = dual.map_or([DVec3::ZERO; 5], |dual| {
-                self.dual(theta, f64::from(dual.backward), &divisor)
-            });
+            let averages = dual.map_or([DVec3::ZERO; 5], |dual| self.dual(theta, &dual, &divisor));
             for colour in [uniform, whole].into_iter().chain(averages) {
                 table.extend(colour.as_vec3().to_array());
             }

@@ -12,20 +12,27 @@ use crate::error::{Result, invalid};
 /// taken as Poisson's with the technique's sum of coverage n as its mean: `e⁻ⁿ` comes straight, and `d_f (e^(-n(1-ã_f)) - e⁻ⁿ)`
 /// through fibres. And ã_f is not ā_f but `1 - √((1-ā_f)² - ā_b²)`: light that turns twice goes on, too (Kubelka and Munk's two
 /// streams).
+///
+/// The papers' fibres are all parallel, so that light keeps its inclination but for the lobes' widths. What
+/// [`disorder`](Self::disorder) says of fibres that are not is this library's own, and fitted to one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DualScattering {
     /// d_f, from 0 to 1: how much of the space around a lit fibre is hair. The papers have 0.7 and say that 0.6 to 0.8 fits;
     /// here the number of fibres met is random already, and 1 is nearer to traced hair.
     pub forward: f32,
-    /// d_b, from 0 to 1; likewise for light that comes back.
+    /// d_b, from 0 to 1; likewise for light that comes back. With the papers' 0.7 traced hair is met best.
     pub backward: f32,
+    /// From 0, hair that is combed, to 1, fibres in all directions: light that has met others then comes with any inclination,
+    /// and goes round what it does not get through.
+    pub disorder: f32,
 }
 
 impl Default for DualScattering {
     fn default() -> Self {
         Self {
             forward: 1.0,
-            backward: 1.0,
+            backward: 0.7,
+            disorder: 1.0,
         }
     }
 }
@@ -33,7 +40,8 @@ impl Default for DualScattering {
 impl DualScattering {
     pub(crate) fn validate(&self, model: &str) -> Result<()> {
         within(model, "dual_scattering.forward", self.forward, [0.0, 1.0])?;
-        within(model, "dual_scattering.backward", self.backward, [0.0, 1.0])
+        within(model, "dual_scattering.backward", self.backward, [0.0, 1.0])?;
+        within(model, "dual_scattering.disorder", self.disorder, [0.0, 1.0])
     }
 }
 
@@ -127,16 +135,6 @@ impl Tables {
     pub(crate) fn step(&self) -> f64 {
         std::f64::consts::PI / f64::from(self.size - 1)
     }
-
-    /// As WGSL reads them: the size, and a flag.
-    pub(crate) fn word(&self) -> u32 {
-        self.size
-            | if self.precision == Precision::F16 {
-                0x1_0000
-            } else {
-                0
-            }
-    }
 }
 
 /// `Ok` if a parameter lies in its range; what is not a number does not.
@@ -159,12 +157,9 @@ pub(crate) fn all_within(model: &str, name: &str, value: Vec3, range: [f32; 2]) 
         .try_for_each(|v| within(model, name, v, range))
 }
 
-/// d_f and d_b as WGSL reads them; negative: no dual scattering.
+/// d_f and d_b as WGSL reads them, where there is dual scattering.
 pub(crate) fn densities(dual: Option<DualScattering>) -> [f32; 4] {
-    match dual {
-        Some(dual) => [dual.forward, dual.backward, 0.0, 0.0],
-        None => [-1.0, -1.0, 0.0, 0.0],
-    }
+    dual.map_or([0.0; 4], |dual| [dual.forward, dual.backward, 0.0, 0.0])
 }
 
 /// The range of a tolerance of radiance.

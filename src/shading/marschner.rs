@@ -189,7 +189,7 @@ impl Marschner {
         material.values[0] = self.sigma_a.extend(self.eta).into();
         material.values[1] = [r, tt, trt, self.eccentricity];
         let [r, tt, trt] = self.beta;
-        material.values[2] = [r, tt, trt, f32::from(self.roots == Roots::Cubic)];
+        material.values[2] = [r, tt, trt, 0.0];
         let caustic = self.caustic.unwrap_or_default();
         material.values[3] = [
             caustic.w_c,

@@ -5,6 +5,7 @@
 
 mod angles;
 pub mod chiang;
+pub mod evaluator;
 pub mod fibre;
 pub mod kajiya_kay;
 pub mod marschner;
@@ -14,6 +15,7 @@ pub(crate) mod tables;
 pub(crate) mod transmission;
 
 pub use chiang::Chiang;
+pub use evaluator::{Evaluator, Sample};
 pub use fibre::{
     DualScattering, HairColour, Precision, RoughnessVariation, Tables, sigma_a_from_melanin,
     sigma_a_from_reflectance,
@@ -40,7 +42,11 @@ pub enum ShadingRate {
     Point,
     /// At each fragment that the transparency technique keeps, at its own position: its own tangent, shadow and model. For
     /// strands of few points, narrow lobes and fine shadows. 32 bytes a point. What has overflowed the fragment pool takes the mean
-    /// colour of three of its fragments.
+    /// colour of three of its fragments. Techniques that need colours before they know what they keep refuse it:
+    /// [`weighted_blended`](crate::transparency::weighted_blended), [`depth_peeling`](crate::transparency::depth_peeling),
+    /// [`random_subsets`](crate::transparency::random_subsets), [`sorted_blending`](crate::transparency::sorted_blending),
+    /// [`k_buffer_single_pass`](crate::transparency::k_buffer_single_pass), [`moment`](crate::transparency::moment), and
+    /// [`k_plus_buffer`](crate::transparency::k_plus_buffer) where it merges the rest.
     Fragment,
 }
 
@@ -124,6 +130,26 @@ impl Shading {
         }
     }
 
+    /// The bits of [`SETTINGS`] that are set.
+    pub(crate) fn settings(&self, rate: ShadingRate) -> u32 {
+        let tables = self.tables();
+        let marschner = match self {
+            Self::Marschner(model) => Some(model),
+            _ => None,
+        };
+        let is_set = [
+            tables.is_some(),
+            tables.is_some_and(|t| t.precision == Precision::F16),
+            self.dual_scattering().is_some(),
+            marschner.is_some_and(|m| m.eccentricity != 1.0),
+            marschner.is_some_and(|m| m.roots == Roots::Cubic),
+            rate == ShadingRate::Fragment
+                && matches!(self, Self::Chiang(model) if model.near_field),
+        ];
+        let bits = is_set.into_iter().enumerate();
+        bits.map(|(bit, is_set)| u32::from(is_set) << bit).sum()
+    }
+
     /// Tables of azimuthal functions, where the model is to be read from them.
     pub(crate) fn tables(&self) -> Option<Tables> {
         match self {
@@ -195,7 +221,18 @@ impl Shading {
     }
 }
 
-/// The shaders of all hairs of a frame.
+/// The settings for which a model's shaders are compiled, bit by bit: drivers that run on a CPU take both sides of every
+/// branch, so what no setting uses is left out. `shading/settings` reads the bits where hairs shaded by one module differ.
+const SETTINGS: [&str; 6] = [
+    "FIBRE_TABLES",
+    "FIBRE_TABLE_F16",
+    "FIBRE_DUAL",
+    "MARSCHNER_ELLIPTIC",
+    "MARSCHNER_CUBIC",
+    "NEAR",
+];
+
+/// The shaders of a hair, or of all hairs of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct Shader {
     /// The label of the pass that shades points.
@@ -211,10 +248,10 @@ pub(crate) struct Shader {
     pub one_material: bool,
     /// Whether any hair's roughness varies.
     pub varies: bool,
-    /// Whether any hair is to be seen by its near field.
-    pub near: bool,
     /// Whether light goes through fibres: the TT lobe.
     pub transmits: bool,
+    /// The bits of [`SETTINGS`] that all hairs have; `None`: each has its own.
+    pub settings: Option<u32>,
 }
 
 impl Shader {
@@ -228,9 +265,8 @@ impl Shader {
             occluded: false,
             one_material: true,
             varies: shading.varies(),
-            near: rate == ShadingRate::Fragment
-                && matches!(shading, Shading::Chiang(model) if model.near_field),
             transmits: true,
+            settings: Some(shading.settings(rate)),
         }
     }
 
@@ -242,6 +278,20 @@ impl Shader {
         }
     }
 
+    /// The module's constants.
+    fn constants(&self) -> Module {
+        let module = Module::default()
+            .with("VARIES", Constant::Bool(self.varies))
+            .with("TRANSMITS", Constant::Bool(self.transmits));
+        let Some(bits) = self.settings else {
+            return module;
+        };
+        let names = SETTINGS.into_iter().enumerate();
+        names.fold(module, |module, (bit, name)| {
+            module.with(name, Constant::Bool(bits >> bit & 1 == 1))
+        })
+    }
+
     /// The shader, where fragments are what it shades.
     pub fn of_fragments(self) -> Option<Self> {
         (self.rate == ShadingRate::Fragment).then_some(self)
@@ -249,24 +299,19 @@ impl Shader {
 
     /// The files of the model and of what it is called by.
     fn model(&self) -> Module {
-        Module::new(self.shadow)
+        self.constants()
+            .and(self.shadow)
             .and(shadow::OWN)
             .and(occluder::files(self.occluded))
             .and(&["common/light", "shading/fibre_type", "shading/radiance"])
             .and(self.files)
-            .with("VARIES", Constant::Bool(self.varies))
-            .with("NEAR", Constant::Bool(self.near))
-            .with("TRANSMITS", Constant::Bool(self.transmits))
     }
 
-    /// The model's functions alone, of the material that is bound.
+    /// The model's functions alone, of the material that is bound and without shadows.
     pub fn functions(&self) -> Module {
-        Module {
-            files: Vec::new(),
-            ..self.model()
-        }
-        .and(&["shadow/none", "shading/fibre_type", "shading/material"])
-        .and(self.files)
+        self.constants()
+            .and(&["shadow/none", "shading/fibre_type", "shading/material"])
+            .and(self.files)
     }
 
     /// The module that shades points.
@@ -280,8 +325,12 @@ impl Shader {
 
     /// The files that supply `shaded_colour(point, along)` to a resolve.
     pub fn fragments_module(&self) -> Module {
+        let settings = match self.settings {
+            Some(_) => "shading/settings_alike",
+            None => "shading/settings",
+        };
         self.model()
-            .and(&["shading/fragments"])
+            .and(&[settings, "shading/fragments"])
             .with("ONE_MATERIAL", Constant::Bool(self.one_material))
     }
 }
@@ -294,43 +343,49 @@ pub(crate) fn gather_module() -> Module {
 /// Shades every strand point for the view, or gathers what shading at fragments asks of them.
 pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
     tables::record(gpu, passes, bound, plan)?;
-    let shader = plan.shader;
-    let (label, pipeline) = match shader.rate {
-        ShadingRate::Point => {
-            let key = PipelineKey {
-                shading: Some(shader.of_points()),
-                ..PipelineKey::new(shader.label)
-            };
-            let groups = [
-                Group::Frame,
-                Group::Shade,
-                Group::MapsRead,
-                Group::Occluders,
-            ];
-            let groups = &groups[..if shader.occluded { 4 } else { 3 }];
-            let pipeline = gpu.compute(key, "shade_points", groups, || shader.points_module())?;
-            (shader.label, pipeline)
-        }
-        ShadingRate::Fragment => {
-            let label = "pelage.shading.fibre_points";
-            let groups = [Group::Frame, Group::Shade, Group::MapsRead];
-            let key = PipelineKey::new(label);
-            let pipeline = gpu.compute(key, "gather_fibre_points", &groups, gather_module)?;
-            (label, pipeline)
-        }
+    let groups = [
+        Group::Frame,
+        Group::Shade,
+        Group::MapsRead,
+        Group::Occluders,
+    ];
+    let groups = &groups[..if plan.shader.occluded { 4 } else { 3 }];
+    let rate = plan.shader.rate;
+    let label = match rate {
+        ShadingRate::Point => plan.shader.label,
+        ShadingRate::Fragment => "pelage.shading.fibre_points",
     };
+    let mut pipelines = Vec::with_capacity(plan.runs.len());
+    for run in &plan.runs {
+        let pipeline = match rate {
+            ShadingRate::Point => {
+                let shader = plan.shader_of(run.hair);
+                let key = PipelineKey {
+                    shading: Some(shader.of_points()),
+                    ..PipelineKey::new(label)
+                };
+                gpu.compute(key, "shade_points", groups, || shader.points_module())?
+            }
+            ShadingRate::Fragment => {
+                let key = PipelineKey::new(label);
+                gpu.compute(key, "gather_fibre_points", groups, gather_module)?
+            }
+        };
+        pipelines.push(pipeline);
+    }
     passes.compute(label, |pass| {
-        pass.set_pipeline(&pipeline);
         pass.set_bind_group(2, bound.maps_read, &[]);
         if let Some(occluders) = bound.occluders {
             pass.set_bind_group(3, occluders, &[]);
         }
-        for ((run, drawing), groups) in plan
+        for (((run, pipeline), drawing), groups) in plan
             .runs
             .iter()
+            .zip(&pipelines)
             .zip(&plan.bands[0].drawings)
             .zip(bound.runs)
         {
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
             pass.set_bind_group(1, &groups.shade, &[]);
             let (x, y) = workgroups(run.run.count);

@@ -1,22 +1,22 @@
 //! The tables of a frame's models: made when a model's parameters change, in a new buffer, so that frames recorded before
 //! keep theirs; none where no model in use needs one.
 
-use super::Shading;
+use super::{Shader, Shading, ShadingRate};
 use crate::error::{Error, Result};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::Plan;
 use crate::resources::{Bound, RING};
-use crate::shader::{Constant, Module};
+use crate::shader::Module;
 
-/// Where a model's tables begin, in words: by one inclination, azimuthal; size and format; 0.
-pub(crate) type Place = [u32; 4];
+/// Where a model's tables begin, in words: by one inclination, azimuthal; and their size.
+pub(crate) type Place = [u32; 3];
 
 /// Where each model's tables lie, the words that the host writes, and the number of all words.
 pub(crate) fn lay_out(models: &[Shading], ambient: bool) -> (Vec<Place>, Vec<f32>, u64) {
     let mut words: Vec<f32> = Vec::new();
     let mut places = Vec::new();
     for model in models {
-        let mut place = [0; 4];
+        let mut place = [0; 3];
         if model.needs_angles(ambient) {
             place[0] = words.len() as u32;
             words.extend(model.angles());
@@ -27,7 +27,7 @@ pub(crate) fn lay_out(models: &[Shading], ambient: bool) -> (Vec<Place>, Vec<f32
     for (place, model) in places.iter_mut().zip(models) {
         if let Some(tables) = model.tables() {
             place[1] = size as u32;
-            place[2] = tables.word();
+            place[2] = tables.size;
             size += tables.words(model.dual_scattering().is_some());
         }
     }
@@ -151,17 +151,23 @@ impl Held {
 }
 
 /// The module that fills a model's tables.
-pub(crate) fn module(files: &[&'static str]) -> Module {
-    Module::new(&[
-        "shadow/none",
-        "shading/fibre_type",
-        "shading/material",
-        "shading/tables",
-    ])
-    .and(files)
-    .with("VARIES", Constant::Bool(false))
-    .with("NEAR", Constant::Bool(false))
-    .with("TRANSMITS", Constant::Bool(true))
+pub(crate) fn module(shading: &Shading) -> Module {
+    let shader = Shader {
+        // Nothing that roughness changes is in a table.
+        varies: false,
+        ..Shader::of(shading, ShadingRate::Point)
+    };
+    shader.functions().and(&["shading/tables"])
+}
+
+/// Entries of a model's tables: one table, or with dual scattering two.
+pub(crate) fn entries(shading: &Shading) -> u32 {
+    let tables = if shading.dual_scattering().is_some() {
+        2
+    } else {
+        1
+    };
+    shading.tables().map_or(0, |t| tables * t.size * t.size)
 }
 
 /// Fills the tables that the GPU makes, where that has not been done.
@@ -172,25 +178,19 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
     let mut done: Vec<Shading> = Vec::new();
     for run in &plan.runs {
         let shading = plan.shadings[run.hair];
-        let (Some(tables), Some(label)) = (shading.tables(), shading.tables_label()) else {
+        let (Some(_), Some(label)) = (shading.tables(), shading.tables_label()) else {
             continue;
         };
         if done.contains(&shading) {
             continue;
         }
-        let (_, files) = shading.points();
-        let pipeline = gpu.compute(
-            PipelineKey::new(label),
-            "shading_tabulate",
-            &[Group::Frame, Group::TablesWritten],
-            || module(files),
-        )?;
-        let entries = tables.size * tables.size;
-        let count = if shading.dual_scattering().is_some() {
-            2 * entries
-        } else {
-            entries
+        let key = PipelineKey {
+            variant: shading.settings(ShadingRate::Point),
+            ..PipelineKey::new(label)
         };
+        let groups = [Group::Frame, Group::TablesWritten];
+        let pipeline = gpu.compute(key, "shading_tabulate", &groups, || module(&shading))?;
+        let count = entries(&shading);
         passes.compute(label, |pass| {
             pass.set_pipeline(&pipeline);
             pass.set_bind_group(0, bound.frame, &[0, 0, run.material]);

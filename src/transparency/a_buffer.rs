@@ -19,6 +19,7 @@ const COUNT: Emission = Emission {
         "transparency/overflow",
         "transparency/shaded",
         "transparency/tail_sums_emit",
+        "transparency/tail_emit",
         "transparency/a_buffer_store",
         "transparency/a_buffer_emit",
     ],
@@ -347,7 +348,9 @@ pub(crate) fn resolve_module(common: Module, storage: Storage, shader: Option<&S
         .and(&[
             "transparency/overflow",
             tail(shader),
+            "transparency/tail",
             "transparency/a_buffer_whole",
+            "transparency/a_buffer_read",
             "transparency/a_buffer",
         ])
         .with("LISTS", Constant::Bool(storage == Storage::Lists))

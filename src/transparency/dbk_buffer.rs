@@ -32,6 +32,7 @@ const BINS: Emission = Emission {
         "transparency/shaded",
         "transparency/tail_sums_emit",
         "transparency/dbk_buffer_common",
+        "transparency/tail_emit",
         "transparency/a_buffer_store",
         "transparency/dbk_buffer_emit",
     ],
@@ -222,7 +223,7 @@ pub(crate) fn count(
         return Ok(());
     }
     pixel_pass(gpu, passes, bound, band, plan, &TILES)?;
-    drop_segments(gpu, passes, bound, band, plan)?;
+    point_pass(gpu, passes, bound, band, plan, &DROP)?;
     if draw.rasteriser == Rasteriser::Walk {
         let label = "pelage.transparency.dbk_buffer.order";
         geometry::order(gpu, passes, bound, label, draw.drawings, plan)?;
@@ -250,19 +251,31 @@ pub(crate) fn record(
     Ok(())
 }
 
-/// A pass over all points: label and entry point.
+/// A pass over all points.
 struct PointPass {
     label: &'static str,
     entry: &'static str,
+    module: fn() -> Module,
+    /// Whether it writes projected points, in place of the pixels' buffers.
+    projects: bool,
 }
 
 const DEPTHS: PointPass = PointPass {
     label: "pelage.transparency.dbk_buffer.depths",
     entry: "dbk_buffer_depths",
+    module: depths_module,
+    projects: false,
 };
 const ESTIMATE: PointPass = PointPass {
     label: "pelage.transparency.dbk_buffer.estimate",
     entry: "dbk_buffer_estimate",
+    ..DEPTHS
+};
+const DROP: PointPass = PointPass {
+    label: "pelage.transparency.dbk_buffer.drop",
+    entry: "dbk_buffer_drop",
+    module: drop_module,
+    projects: true,
 };
 
 fn point_pass(
@@ -273,39 +286,26 @@ fn point_pass(
     plan: &Plan,
     step: &PointPass,
 ) -> Result<()> {
-    let groups = [Group::Frame, Group::Segments, Group::PixelsWritten];
+    let groups: &[Group] = if step.projects {
+        &[Group::Frame, Group::Project]
+    } else {
+        &[Group::Frame, Group::Segments, Group::PixelsWritten]
+    };
     let key = PipelineKey::new(step.label);
-    let pipeline = gpu.compute(key, step.entry, &groups, depths_module)?;
+    let pipeline = gpu.compute(key, step.entry, groups, step.module)?;
     passes.compute(step.label, |pass| {
         pass.set_pipeline(&pipeline);
-        pass.set_bind_group(3, bound.pixels_written, &[]);
-        for ((run, drawing), groups) in plan.runs.iter().zip(&band.drawings).zip(bound.runs) {
-            pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
-            pass.set_bind_group(1, &groups.segments, &[]);
-            let (x, y) = workgroups(run.run.count);
-            pass.dispatch_workgroups(x, y, 1);
+        if !step.projects {
+            pass.set_bind_group(3, bound.pixels_written, &[]);
         }
-    });
-    Ok(())
-}
-
-/// Marks the segments that cannot be seen.
-fn drop_segments(
-    gpu: &mut Gpu,
-    passes: &mut Passes,
-    bound: &Bound,
-    band: &Band,
-    plan: &Plan,
-) -> Result<()> {
-    let label = "pelage.transparency.dbk_buffer.drop";
-    let groups = [Group::Frame, Group::Project];
-    let key = PipelineKey::new(label);
-    let pipeline = gpu.compute(key, "dbk_buffer_drop", &groups, drop_module)?;
-    passes.compute(label, |pass| {
-        pass.set_pipeline(&pipeline);
         for ((run, drawing), groups) in plan.runs.iter().zip(&band.drawings).zip(bound.runs) {
             pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
-            pass.set_bind_group(1, &groups.project, &[]);
+            let points = if step.projects {
+                &groups.project
+            } else {
+                &groups.segments
+            };
+            pass.set_bind_group(1, points, &[]);
             let (x, y) = workgroups(run.run.count);
             pass.dispatch_workgroups(x, y, 1);
         }
@@ -416,8 +416,8 @@ pub(crate) fn resolve_module(
         &["transparency/a_buffer_whole"]
     };
     common
-        .and(&["transparency/overflow", tail(shader)])
+        .and(&["transparency/overflow", tail(shader), "transparency/tail"])
         .and(beyond)
-        .and(&["transparency/a_buffer"])
+        .and(&["transparency/a_buffer_read", "transparency/a_buffer"])
         .with("LISTS", Constant::Bool(false))
 }

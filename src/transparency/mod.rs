@@ -2,14 +2,31 @@
 
 pub mod a_buffer;
 pub mod dbk_buffer;
+pub mod depth_peeling;
+pub mod k_buffer;
+pub mod k_buffer_single_pass;
+pub mod k_plus_buffer;
+pub mod moment;
+pub(crate) mod nearest;
 pub mod opaque;
+pub mod random_subsets;
+pub mod sorted_blending;
+pub mod weighted_blended;
 
 pub use a_buffer::{ABuffer, Storage};
 pub use dbk_buffer::DbkBuffer;
+pub use depth_peeling::DepthPeeling;
+pub use k_buffer::{KBuffer, Rest, Selection};
+pub use k_buffer_single_pass::KBufferSinglePass;
+pub use k_plus_buffer::{Atomics, KPlusBuffer};
+pub use moment::Moment;
 pub use opaque::Opaque;
+pub use random_subsets::RandomSubsets;
+pub use sorted_blending::{BlendOrder, SortedBlending};
+pub use weighted_blended::{Weight, WeightedBlended};
 
 use crate::error::Result;
-use crate::gpu::{Gpu, Passes};
+use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
 use crate::raster::{Draw, Raster};
 use crate::resources::Bound;
@@ -24,6 +41,22 @@ pub enum Transparency {
     Opaque(Opaque),
     /// Every fragment stored, sorted and composited.
     ABuffer(ABuffer),
+    /// A mean of all fragments, weighed by depth, at their exact opacity.
+    WeightedBlended(WeightedBlended),
+    /// The nearest fragments found one after the other, the rest merged.
+    DepthPeeling(DepthPeeling),
+    /// The nearest fragment of each of some random subsets of the strands.
+    RandomSubsets(RandomSubsets),
+    /// Segments sorted into bins of depth, and blended in that order.
+    SortedBlending(SortedBlending),
+    /// Every fragment stored, the K nearest of each pixel sorted and composited.
+    KBuffer(KBuffer),
+    /// The K nearest fragments of each pixel stored and composited.
+    KPlusBuffer(KPlusBuffer),
+    /// Fragments linked in order as they come, unless K nearer ones are there.
+    KBufferSinglePass(KBufferSinglePass),
+    /// No fragment stored: colours weighted by a transmittance that moments of optical depth give.
+    Moment(Moment),
     /// As the A-buffer, but that nothing is stored behind the depth from which on it changes a pixel by less than a tolerance.
     DbkBuffer(DbkBuffer),
 }
@@ -40,6 +73,14 @@ impl Transparency {
         match self {
             Self::Opaque(_) => "opaque",
             Self::ABuffer(_) => "a_buffer",
+            Self::WeightedBlended(_) => "weighted_blended",
+            Self::DepthPeeling(_) => "depth_peeling",
+            Self::RandomSubsets(_) => "random_subsets",
+            Self::SortedBlending(_) => "sorted_blending",
+            Self::KBuffer(_) => "k_buffer",
+            Self::KPlusBuffer(_) => "k_plus_buffer",
+            Self::KBufferSinglePass(_) => "k_buffer_single_pass",
+            Self::Moment(_) => "moment",
             Self::DbkBuffer(_) => "dbk_buffer",
         }
     }
@@ -50,9 +91,24 @@ impl Transparency {
     /// A setting out of its range, named.
     pub fn validate(&self) -> Result<()> {
         match self {
-            Self::Opaque(_) => Ok(()),
+            Self::Opaque(_) | Self::Moment(_) => Ok(()),
             Self::ABuffer(settings) => settings.validate(),
+            Self::WeightedBlended(settings) => settings.validate(),
+            Self::DepthPeeling(settings) => settings.validate(),
+            Self::RandomSubsets(settings) => settings.validate(),
+            Self::SortedBlending(settings) => settings.validate(),
+            Self::KBuffer(settings) => settings.validate(),
+            Self::KPlusBuffer(settings) => settings.validate(),
+            Self::KBufferSinglePass(settings) => settings.validate(),
             Self::DbkBuffer(settings) => settings.validate(),
+        }
+    }
+
+    /// Checks that a device can do what the settings ask for.
+    pub(crate) fn fits(&self, gpu: &Gpu) -> Result<()> {
+        match self {
+            Self::KPlusBuffer(settings) => settings.fits(gpu),
+            _ => Ok(()),
         }
     }
 
@@ -61,6 +117,15 @@ impl Transparency {
         match self {
             Self::Opaque(settings) => settings.raster,
             Self::ABuffer(settings) => settings.raster,
+            Self::WeightedBlended(settings) => settings.raster,
+            Self::DepthPeeling(settings) => settings.raster,
+            Self::RandomSubsets(settings) => settings.raster,
+            // For what is sought beside the picture.
+            Self::SortedBlending(_) => Raster::Auto,
+            Self::KBuffer(settings) => settings.raster,
+            Self::KPlusBuffer(settings) => settings.raster,
+            Self::KBufferSinglePass(settings) => settings.raster,
+            Self::Moment(settings) => settings.raster,
             Self::DbkBuffer(settings) => settings.raster,
         }
     }
@@ -94,6 +159,11 @@ impl Fragments {
     pub fn linked(&self) -> bool {
         matches!(self, Self::Pool { linked: true, .. })
     }
+
+    /// Whether there is a pool, which may be too small.
+    pub fn pooled(&self) -> bool {
+        matches!(self, Self::Pool { .. })
+    }
 }
 
 impl Transparency {
@@ -102,7 +172,23 @@ impl Transparency {
         match self {
             Self::Opaque(_) => opaque::needs(pixels),
             Self::ABuffer(settings) => settings.needs(pixels),
+            Self::WeightedBlended(_) => weighted_blended::needs(pixels),
+            Self::DepthPeeling(_) => depth_peeling::needs(pixels),
+            Self::RandomSubsets(settings) => settings.needs(pixels),
+            Self::SortedBlending(_) => sorted_blending::NEEDS,
+            Self::KBuffer(settings) => settings.stored().needs(pixels),
+            Self::KPlusBuffer(settings) => settings.needs(pixels),
+            Self::KBufferSinglePass(settings) => settings.needs(pixels),
+            Self::Moment(_) => moment::needs(pixels),
             Self::DbkBuffer(settings) => settings.needs(pixels),
+        }
+    }
+
+    /// Fragments that a pool should hold of those that a frame is expected to produce in `pixels` pixels.
+    pub(crate) fn expected(&self, fragments: u64, pixels: u64) -> u64 {
+        match self {
+            Self::KBufferSinglePass(settings) => settings.expected(fragments, pixels),
+            _ => fragments,
         }
     }
 
@@ -122,11 +208,53 @@ impl Transparency {
         }
     }
 
-    /// The most pixels of which each buffer of the technique fits into `binding` bytes.
-    pub(crate) fn most_pixels(&self, binding: u64) -> u64 {
-        // A part of the bytes may be for each block of pixels, so that the estimate from many is fair.
+    /// Whether the technique asks for colours in its resolve alone, where fragments can be shaded at their own places.
+    pub(crate) fn shades_fragments(&self) -> bool {
+        match self {
+            Self::Opaque(_) | Self::ABuffer(_) | Self::KBuffer(_) | Self::DbkBuffer(_) => true,
+            Self::KPlusBuffer(settings) => settings.rest != Rest::Merged,
+            Self::KBufferSinglePass(_)
+            | Self::Moment(_)
+            | Self::WeightedBlended(_)
+            | Self::DepthPeeling(_)
+            | Self::RandomSubsets(_)
+            | Self::SortedBlending(_) => false,
+        }
+    }
+
+    /// Whether each pixel's nearest fragment must be sought beside the technique, where a frame asks for it.
+    pub(crate) fn seeks_nearest(&self) -> bool {
+        matches!(
+            self,
+            Self::WeightedBlended(_) | Self::DepthPeeling(_) | Self::SortedBlending(_)
+        )
+    }
+
+    /// The settings as the shaders read them: `frame.technique`.
+    pub(crate) fn values(&self) -> [f32; 4] {
+        match self {
+            Self::WeightedBlended(settings) => settings.values(),
+            Self::RandomSubsets(settings) => settings.values(),
+            // Sorted blending's are the plan's.
+            _ => [0.0; 4],
+        }
+    }
+
+    /// What strands' hashes are made with: `frame.seed`.
+    pub(crate) fn seed(&self) -> u32 {
+        match self {
+            Self::RandomSubsets(settings) => settings.seed,
+            _ => 0,
+        }
+    }
+}
+
+impl Needs {
+    /// The most pixels of which each buffer fits into `binding` bytes, from what many need: a part of the bytes may be for
+    /// each block of pixels.
+    pub(crate) fn most_pixels(of: impl Fn(u64) -> Needs, binding: u64) -> u64 {
         const MANY: u64 = 1 << 20;
-        let needs = self.needs(MANY);
+        let needs = of(MANY);
         let fixed = match needs.fragments {
             Fragments::Fixed(bytes) => bytes,
             Fragments::Pool { .. } => 0,
@@ -135,6 +263,14 @@ impl Transparency {
         // A little is kept for what is rounded up.
         (u128::from(binding.saturating_sub(1024)) * u128::from(MANY) / u128::from(largest.max(1)))
             as u64
+    }
+}
+
+/// The bind group that the composite reads.
+pub(crate) fn read_group(transparency: &Transparency) -> Group {
+    match transparency {
+        Transparency::SortedBlending(_) => Group::BlendedRead,
+        _ => Group::PixelsRead,
     }
 }
 
@@ -160,8 +296,18 @@ pub(crate) fn count(
 ) -> Result<()> {
     let draw = draw(band, plan);
     match &plan.transparency {
-        Transparency::Opaque(_) => Ok(()),
+        Transparency::Opaque(_)
+        | Transparency::KPlusBuffer(_)
+        | Transparency::KBufferSinglePass(_)
+        | Transparency::Moment(_)
+        | Transparency::WeightedBlended(_)
+        | Transparency::DepthPeeling(_)
+        | Transparency::RandomSubsets(_)
+        | Transparency::SortedBlending(_) => Ok(()),
         Transparency::ABuffer(settings) => {
+            a_buffer::count(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::KBuffer(settings) => {
             a_buffer::count(gpu, passes, bound, band, &draw, plan, settings.storage)
         }
         Transparency::DbkBuffer(settings) if plan.cuts => {
@@ -187,6 +333,28 @@ pub(crate) fn record(
         Transparency::ABuffer(settings) => {
             a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage)
         }
+        Transparency::WeightedBlended(_) => {
+            weighted_blended::record(gpu, passes, bound, band, &draw, plan)
+        }
+        Transparency::DepthPeeling(settings) => {
+            depth_peeling::record(gpu, passes, bound, band, &draw, plan, settings.peels)
+        }
+        Transparency::RandomSubsets(settings) => {
+            random_subsets::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::SortedBlending(settings) => {
+            sorted_blending::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::KBuffer(settings) => {
+            a_buffer::record(gpu, passes, bound, band, &draw, plan, settings.storage)
+        }
+        Transparency::KPlusBuffer(settings) => {
+            k_plus_buffer::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::KBufferSinglePass(settings) => {
+            k_buffer_single_pass::record(gpu, passes, bound, band, &draw, plan, settings)
+        }
+        Transparency::Moment(_) => moment::record(gpu, passes, bound, band, &draw, plan),
         Transparency::DbkBuffer(settings) if plan.cuts => {
             dbk_buffer::record(gpu, passes, bound, band, &draw, plan, settings)
         }
@@ -210,6 +378,7 @@ pub(crate) fn resolve_module(
     parts: u32,
     shader: Option<&Shader>,
 ) -> Module {
+    let pixels = Module::new(&["common/pixels"]).with("PARTS", Constant::U32(parts));
     let shaded = match shader {
         None => Module::new(&["transparency/shaded"]),
         Some(shader) => shader.fragments_module(),
@@ -222,16 +391,34 @@ pub(crate) fn resolve_module(
         Transparency::ABuffer(settings) => {
             a_buffer::resolve_module(common, settings.storage, shader)
         }
+        Transparency::KBuffer(settings) => k_buffer::resolve_module(common, settings, shader),
+        Transparency::KPlusBuffer(settings) => k_plus_buffer::resolve_module(common, settings),
+        Transparency::KBufferSinglePass(settings) => {
+            k_buffer_single_pass::resolve_module(common, settings)
+        }
+        Transparency::Moment(_) => moment::resolve_module(pixels),
+        Transparency::WeightedBlended(_) => weighted_blended::resolve_module(pixels),
+        Transparency::DepthPeeling(_) => depth_peeling::resolve_module(common),
+        Transparency::RandomSubsets(settings) => random_subsets::resolve_module(common, settings),
+        Transparency::SortedBlending(_) => sorted_blending::resolve_module(pixels),
         Transparency::DbkBuffer(settings) => dbk_buffer::resolve_module(common, settings, shader),
     }
 }
 
-/// What tells one technique's composite pipeline from another's: its place in the enum, and eight bits of settings.
+/// What tells one technique's composite pipeline from another's: a number, and twelve bits of settings.
 pub(crate) fn resolve_variant(transparency: &Transparency) -> u32 {
     let (technique, settings) = match transparency {
         Transparency::Opaque(_) => (0, 0),
         Transparency::ABuffer(settings) => (1, u32::from(settings.storage == Storage::Lists)),
         Transparency::DbkBuffer(settings) => (2, u32::from(settings.depth_shift.is_some())),
+        Transparency::KBuffer(settings) => (3, settings.variant()),
+        Transparency::KPlusBuffer(settings) => (4, settings.variant()),
+        Transparency::KBufferSinglePass(settings) => (5, settings.variant()),
+        Transparency::Moment(_) => (6, 0),
+        Transparency::WeightedBlended(_) => (7, 0),
+        Transparency::DepthPeeling(_) => (8, 0),
+        Transparency::RandomSubsets(settings) => (9, settings.subsets),
+        Transparency::SortedBlending(_) => (10, 0),
     };
-    technique << 8 | settings
+    technique << 12 | settings
 }

@@ -151,7 +151,7 @@ static void misuse(PelageContext context) {
 static void listen(PelageContext context) {
     struct Log log = { context, 0, 0, PELAGE_OK };
     PelageHair hair = strands_in(context);
-    PelageABuffer small = PELAGE_A_BUFFER_INIT;
+    PelageDbkBuffer small = PELAGE_DBK_BUFFER_INIT;
     PelageTransparency transparency = PELAGE_TRANSPARENCY_INIT;
     PelageTargetDescriptor image = PELAGE_TARGET_DESCRIPTOR_INIT;
     PelageTarget target;
@@ -161,7 +161,7 @@ static void listen(PelageContext context) {
     unsigned before;
 
     small.pool_bytes = 16;
-    transparency.a_buffer = &small;
+    transparency.dbk_buffer = &small;
     image.width = image.height = SIDE;
     frame.hairs = &hair;
     frame.hair_count = 1;

@@ -41,6 +41,14 @@ int main(void) {
     PRINT(PelageOpaque, PELAGE_OPAQUE_INIT);
     PRINT(PelageABuffer, PELAGE_A_BUFFER_INIT);
     PRINT(PelageDbkBuffer, PELAGE_DBK_BUFFER_INIT);
+    PRINT(PelageWeightedBlended, PELAGE_WEIGHTED_BLENDED_INIT);
+    PRINT(PelageDepthPeeling, PELAGE_DEPTH_PEELING_INIT);
+    PRINT(PelageRandomSubsets, PELAGE_RANDOM_SUBSETS_INIT);
+    PRINT(PelageSortedBlending, PELAGE_SORTED_BLENDING_INIT);
+    PRINT(PelageKBuffer, PELAGE_K_BUFFER_INIT);
+    PRINT(PelageKPlusBuffer, PELAGE_K_PLUS_BUFFER_INIT);
+    PRINT(PelageKBufferSinglePass, PELAGE_K_BUFFER_SINGLE_PASS_INIT);
+    PRINT(PelageMoment, PELAGE_MOMENT_INIT);
     PRINT(PelageTransparency, PELAGE_TRANSPARENCY_INIT);
     PRINT(PelageView, PELAGE_VIEW_INIT);
     PRINT(PelageLight, PELAGE_LIGHT_INIT);

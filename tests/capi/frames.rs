@@ -321,11 +321,15 @@ fn wrong_settings_leave_a_hair_as_it_was() {
     ] {
         wrong(shadow(settings), says);
     }
+    // SAFETY: the pointer is to a value of its type.
+    let result = unsafe { pelage_hair_set_shadow(hair, &PelageShadow::default()) };
+    assert_eq!(result, PELAGE_OK);
     let a_buffer = PelageABuffer {
         pool_bytes: 1,
         ..Default::default()
     };
     let transparency = PelageTransparency {
+        technique: PELAGE_TRANSPARENCY_A_BUFFER,
         a_buffer: &a_buffer,
         ..Default::default()
     };

@@ -164,7 +164,8 @@ fn initialisers() -> String {
         backward_density,
         roughness_strand,
         roughness_tip,
-        lobe_tolerance
+        lobe_tolerance,
+        disorder
     );
     initialiser!(
         PelageSadeghi,
@@ -183,7 +184,8 @@ fn initialisers() -> String {
         backward_density,
         roughness_strand,
         roughness_tip,
-        lobe_tolerance
+        lobe_tolerance,
+        disorder
     );
     initialiser!(
         PelageChiang,
@@ -203,7 +205,8 @@ fn initialisers() -> String {
         roughness_strand,
         roughness_tip,
         lobe_tolerance,
-        near_field
+        near_field,
+        disorder
     );
     initialiser!(
         PelageShading,
@@ -295,12 +298,78 @@ fn initialisers() -> String {
         pool_bytes
     );
     initialiser!(
+        PelageWeightedBlended,
+        "PELAGE_WEIGHTED_BLENDED_INIT",
+        weight,
+        falloff,
+        raster
+    );
+    initialiser!(
+        PelageDepthPeeling,
+        "PELAGE_DEPTH_PEELING_INIT",
+        peels,
+        raster
+    );
+    initialiser!(
+        PelageRandomSubsets,
+        "PELAGE_RANDOM_SUBSETS_INIT",
+        subsets,
+        seed,
+        exact_alpha,
+        raster
+    );
+    initialiser!(
+        PelageSortedBlending,
+        "PELAGE_SORTED_BLENDING_INIT",
+        bins,
+        order,
+        reuse,
+        full_precision
+    );
+    initialiser!(
+        PelageKBuffer,
+        "PELAGE_K_BUFFER_INIT",
+        k,
+        rest,
+        selection,
+        storage,
+        raster,
+        pool_bytes
+    );
+    initialiser!(
+        PelageKPlusBuffer,
+        "PELAGE_K_PLUS_BUFFER_INIT",
+        k,
+        rest,
+        atomics,
+        raster
+    );
+    initialiser!(
+        PelageKBufferSinglePass,
+        "PELAGE_K_BUFFER_SINGLE_PASS_INIT",
+        k,
+        rest,
+        retries,
+        raster,
+        reserved,
+        pool_bytes
+    );
+    initialiser!(PelageMoment, "PELAGE_MOMENT_INIT", raster);
+    initialiser!(
         PelageTransparency,
         "PELAGE_TRANSPARENCY_INIT",
         technique,
         opaque,
         a_buffer,
-        dbk_buffer
+        dbk_buffer,
+        weighted_blended,
+        depth_peeling,
+        random_subsets,
+        sorted_blending,
+        k_buffer,
+        k_plus_buffer,
+        k_buffer_single_pass,
+        moment
     );
     initialiser!(
         PelageDbkBuffer,

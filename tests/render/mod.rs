@@ -263,7 +263,14 @@ fn overrides_have_the_last_word() {
     assert_eq!(scene.transparency.stem(), "opaque");
     assert_eq!(scene.hair, [HairSource::Builtin(BuiltinGroom::Curly)]);
     // A group that the file leaves out.
-    let scene = parse_with(r#"{"hair": "a"}"#, &["transparency.storage=\"lists\""]).unwrap();
+    let scene = parse_with(
+        r#"{"hair": "a"}"#,
+        &[
+            "transparency.technique=\"a_buffer\"",
+            "transparency.storage=\"lists\"",
+        ],
+    )
+    .unwrap();
     assert!(matches!(
         scene.transparency,
         Transparency::ABuffer(ABuffer {

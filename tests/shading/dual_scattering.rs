@@ -13,6 +13,7 @@ use crate::common::device;
 const DUAL: Option<DualScattering> = Some(DualScattering {
     forward: 0.7,
     backward: 0.7,
+    disorder: 0.0,
 });
 
 fn models() -> Vec<(&'static str, Shading)> {
@@ -141,6 +142,28 @@ fn averages_are_those_of_the_reference() {
                 "{name}: {worst:?}"
             );
         });
+    }
+}
+
+#[test]
+fn disorder_spreads_light_and_lets_more_of_it_through() {
+    let chiang = |disorder| {
+        let dual_scattering = DUAL.map(|dual| DualScattering { disorder, ..dual });
+        Shading::Chiang(Chiang {
+            dual_scattering,
+            ..Chiang::default()
+        })
+    };
+    let [combed, half, wild] = [0.0, 0.5, 1.0].map(|d| testing::tables_of(&chiang(d), false).1);
+    for row in 0..ROWS {
+        let field = |table: &[f32], at: usize| Vec3::from_slice(&table[row * WORDS + at..]);
+        for (less, more) in [(&combed, &half), (&half, &wild)] {
+            let through = field(more, 6) - field(less, 6);
+            assert!(through.min_element() > 0.0 && field(more, 6).max_element() <= 1.0);
+            // Half the variance of isotropic light, π² / 4 - 2.
+            let spread = field(more, 9) - field(less, 9) - Vec3::splat(0.2337);
+            assert!(spread.abs().max_element() < 1e-4, "row {row}: {spread}");
+        }
     }
 }
 

@@ -1,8 +1,7 @@
 //! Runs a shading model's WGSL over many directions on the device, its tables made as a frame makes them.
 
-use pelage::glam::{DVec3, Vec3};
-use pelage::shading::Shading;
-use pelage::{testing, wgpu};
+use pelage::glam::DVec3;
+use pelage::shading::{self, Sample, Shading};
 use pelage_reference::fibre::{Direction, FibreModel};
 
 use crate::common::Device;
@@ -104,20 +103,9 @@ pub fn hard_cases(sums: &[f64]) -> Vec<Case> {
     cases
 }
 
-fn bound(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
-    wgpu::BindGroupEntry {
-        binding,
-        resource: buffer.as_entire_binding(),
-    }
-}
-
 /// Pipelines of one model, for any parameters.
 pub struct Evaluator {
-    gpu: wgpu::Device,
-    queue: wgpu::Queue,
-    evaluate: wgpu::ComputePipeline,
-    tabulate: Option<wgpu::ComputePipeline>,
-    has_tables: bool,
+    evaluator: shading::Evaluator,
     /// Azimuths at which the reference is asked what a direction along the tangent may give; Chiang's far field, which is slow, has
     /// but R's wide lobe there.
     azimuths: u32,
@@ -125,160 +113,33 @@ pub struct Evaluator {
 
 impl Evaluator {
     pub fn new(device: &mut Device, shading: &Shading) -> Self {
-        let entry = "
-            @group(1) @binding(4) var<storage, read> cases: array<vec4f>;
-            @group(1) @binding(5) var<storage, read_write> values: array<vec4f>;
-            @group(1) @binding(6) var<storage, read> shading_tables: array<u32>;
-            @compute @workgroup_size(64)
-            fn evaluate(@builtin(global_invocation_id) invocation: vec3u,
-                @builtin(num_workgroups) groups: vec3u) {
-                let i = invocation.x + invocation.y * groups.x * 64u;
-                if i * 4u >= arrayLength(&cases) { return; }
-                let own = cases[4u * i + 3u];
-                let fibre = Fibre(cases[4u * i].xyz, vec3f(1.0), own.y, u32(own.x), own.zw);
-                let wo = cases[4u * i + 2u].xyz;
-                let shadow = ShadowSample(vec3f(cases[4u * i + 1u].w), cases[4u * i].w);
-                values[2u * i] = vec4f(scatter(fibre, cases[4u * i + 1u].xyz, wo, shadow), 0.0);
-                values[2u * i + 1u] = vec4f(scatter_uniform(fibre, wo), 0.0);
-            }";
-        let gpu = device.renderer.device().clone();
-        let pipeline = |label: &str, entry: &str, source: String| {
-            let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(source.into()),
-            });
-            gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(label),
-                layout: None,
-                module: &module,
-                entry_point: Some(entry),
-                compilation_options: Default::default(),
-                cache: None,
-            })
+        let (gpu, queue) = (device.renderer.device(), device.renderer.queue());
+        let azimuths = if matches!(shading, Shading::Chiang(_)) {
+            8
+        } else {
+            64
         };
-        let has_tables = !matches!(shading, Shading::KajiyaKay(_) | Shading::Scheuermann(_));
-        let tabulates = matches!(shading, Shading::Marschner(_) | Shading::Chiang(_));
         Self {
-            evaluate: pipeline(
-                "test.evaluate",
-                "evaluate",
-                testing::shading_source(shading) + entry,
-            ),
-            tabulate: tabulates.then(|| {
-                pipeline(
-                    "test.tabulate",
-                    "shading_tabulate",
-                    testing::tables_source(shading),
-                )
-            }),
-            gpu: gpu.clone(),
-            queue: device.renderer.queue().clone(),
-            has_tables,
-            azimuths: if matches!(shading, Shading::Chiang(_)) {
-                8
-            } else {
-                64
-            },
+            evaluator: shading::Evaluator::new(gpu, queue).unwrap(),
+            azimuths,
         }
-    }
-
-    fn buffer(&self, bytes: &[u8], size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
-        let buffer = self.gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: size.max(256),
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        if !bytes.is_empty() {
-            self.queue.write_buffer(&buffer, 0, bytes);
-        }
-        buffer
     }
 
     /// `scatter` and `scatter_uniform` of every case.
     pub fn run(&self, shading: &Shading, cases: &[Case]) -> Vec<[DVec3; 2]> {
-        shading.validate().unwrap();
-        use wgpu::BufferUsages as Usage;
-        let (place, words, size) = testing::tables_of(shading, true);
-        let mut material = testing::material_bytes(shading);
-        let end = material.len();
-        material[end - 16..].copy_from_slice(bytemuck::cast_slice(&place));
-        let uniform = self.buffer(&material, material.len() as u64, Usage::UNIFORM);
-        let tables = self.buffer(bytemuck::cast_slice(&words), size * 4, Usage::STORAGE);
-        let input: Vec<[f32; 4]> = cases
-            .iter()
-            .flat_map(|case| {
-                let straight = (-case.fibres).exp();
-                let own = DVec3::new(f64::from(case.strand), case.coordinate, case.across[0]);
-                [
-                    (case.tangent, case.fibres),
-                    (case.wi, straight),
-                    (case.wo, 0.0),
-                    (own, case.across[1]),
-                ]
-                .map(|(v, w)| v.as_vec3().extend(w as f32).into())
-            })
-            .collect();
-        let inputs = self.buffer(
-            bytemuck::cast_slice(&input),
-            input.len() as u64 * 16,
-            Usage::STORAGE,
-        );
-        let bytes = cases.len() as u64 * 32;
-        let outputs = self.buffer(&[], bytes, Usage::STORAGE | Usage::COPY_SRC);
-        let returned = self.buffer(&[], bytes, Usage::MAP_READ);
-        let group = |pipeline: &wgpu::ComputePipeline, index, entries: &[wgpu::BindGroupEntry]| {
-            self.gpu.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: &pipeline.get_bind_group_layout(index),
-                entries,
-            })
+        let sample = |case: &Case| Sample {
+            transmittance: (-case.fibres).exp() as f32,
+            fibres: case.fibres as f32,
+            strand: case.strand,
+            coordinate: case.coordinate as f32,
+            across: case.across.map(|h| h as f32),
+            ..Sample::lit(case.tangent.as_vec3(), case.wi.as_vec3(), case.wo.as_vec3())
         };
-        let mut encoder = self.gpu.create_command_encoder(&Default::default());
-        if let Some(pipeline) = self.tabulate.as_ref().filter(|_| place[2] > 0) {
-            let groups = [
-                group(pipeline, 0, &[bound(2, &uniform)]),
-                group(pipeline, 1, &[bound(0, &tables)]),
-            ];
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &groups[0], &[]);
-            pass.set_bind_group(1, &groups[1], &[]);
-            let entries = 2 * (place[2] & 0xffff).pow(2);
-            pass.dispatch_workgroups(entries.div_ceil(64), 1, 1);
-        }
-        {
-            let mut entries = vec![bound(4, &inputs), bound(5, &outputs)];
-            if self.has_tables {
-                entries.push(bound(6, &tables));
-            }
-            let groups = [
-                group(&self.evaluate, 0, &[bound(2, &uniform)]),
-                group(&self.evaluate, 1, &entries),
-            ];
-            let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(&self.evaluate);
-            pass.set_bind_group(0, &groups[0], &[]);
-            pass.set_bind_group(1, &groups[1], &[]);
-            let columns = (cases.len() as u32).div_ceil(64);
-            let rows = columns.div_ceil(32768);
-            pass.dispatch_workgroups(columns.min(32768), rows, 1);
-        }
-        encoder.copy_buffer_to_buffer(&outputs, 0, &returned, 0, Some(bytes));
-        self.queue.submit([encoder.finish()]);
-        returned.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
-        self.gpu.poll(wgpu::PollType::wait_indefinitely()).unwrap();
-        let values: Vec<f32> =
-            bytemuck::pod_collect_to_vec(&returned.get_mapped_range(..).unwrap());
-        values
-            .chunks_exact(8)
-            .take(cases.len())
-            .map(|v| {
-                [
-                    Vec3::from_slice(&v[..3]).as_dvec3(),
-                    Vec3::from_slice(&v[4..7]).as_dvec3(),
-                ]
-            })
+        let samples: Vec<Sample> = cases.iter().map(sample).collect();
+        let values = self.evaluator.scatter(shading, &samples).unwrap();
+        let uniform = self.evaluator.uniform(shading, &samples).unwrap();
+        std::iter::zip(values, uniform)
+            .map(|(value, uniform)| [value.as_dvec3(), uniform.as_dvec3()])
             .collect()
     }
 

@@ -2,7 +2,10 @@
 
 use pelage::glam::{DMat4, DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, Strands, builtin};
-use pelage::shading::{Chiang, KajiyaKay, Marschner, Sadeghi, Scheuermann, Shading, ShadingRate};
+use pelage::shading::{
+    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
+    ShadingRate, Tables,
+};
 use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
 use pelage::{Frame, Hair, Light, LightKind};
 use pelage_reference::composite::{self, Image};
@@ -12,7 +15,7 @@ use pelage_reference::kajiya_kay;
 
 use crate::common::images::{assert_identical, render, write_failure};
 use crate::common::scenes::{
-    A_BUFFERS, a_buffer, camera, curve_tangents, lists, portrait, unshadowed, world,
+    A_BUFFERS, a_buffer, camera, curve_tangents, lists, pixel_view, portrait, unshadowed, world,
 };
 use crate::common::{Device, device};
 
@@ -247,6 +250,114 @@ fn hairs_of_other_parameters_and_places_keep_their_own() {
         &at_points,
         EXACT,
     );
+}
+
+/// Of a picture's brightest channel. At points each hair has its own shaders, and the same picture; at fragments one module reads the
+/// settings of all, and compilers may join other sums: measured 0, too.
+const SETTINGS_APART: f64 = 1e-4;
+
+#[test]
+fn hairs_of_other_settings_keep_their_own() {
+    let Some(mut device) = device() else { return };
+    let size = [64, 24];
+    // Wider than a pixel, and so seen by its near field where asked for.
+    let strands = |x: f32| {
+        let points = (0..4).flat_map(|i| {
+            let x = x + 6.0 * i as f32;
+            [[x - 3.0, -20.0, -5.0], [x, 0.0, 0.0], [x + 1.0, 20.0, 3.0]]
+        });
+        Strands::new(points.collect(), &[3; 4], 2.0).unwrap()
+    };
+    let (left, right) = (strands(-26.0), strands(8.0));
+    let direct = Marschner {
+        tables: None,
+        eccentricity: 0.8,
+        ..Marschner::default()
+    };
+    let tables = |size, precision| Some(Tables { size, precision });
+    let pairs = [
+        [
+            Shading::Marschner(Marschner::default()),
+            Shading::Marschner(Marschner {
+                roots: Roots::Cubic,
+                dual_scattering: Some(DualScattering::default()),
+                ..direct
+            }),
+        ],
+        [
+            Shading::Marschner(direct),
+            Shading::Marschner(Marschner {
+                roots: Roots::Cubic,
+                eccentricity: 1.0,
+                ..direct
+            }),
+        ],
+        [
+            Shading::Chiang(Chiang {
+                tables: tables(32, Precision::F32),
+                near_field: true,
+                ..Chiang::default()
+            }),
+            Shading::Chiang(Chiang {
+                tables: tables(64, Precision::F16),
+                dual_scattering: Some(DualScattering::default()),
+                ..Chiang::default()
+            }),
+        ],
+    ];
+    let lights = [
+        unshadowed(DVec3::new(0.8, 0.1, -0.5), Vec3::ONE),
+        unshadowed(DVec3::new(-0.3, 0.4, 0.8), Vec3::splat(0.5)),
+    ];
+    for rate in [ShadingRate::Point, ShadingRate::Fragment] {
+        for pair in pairs {
+            let mut picture = |shadings: &[(&Strands, Shading)]| {
+                let hairs: Vec<Hair> = shadings
+                    .iter()
+                    .map(|(strands, shading)| {
+                        let mut hair = hair(&mut device, strands, *shading);
+                        hair.shading_rate = rate;
+                        hair
+                    })
+                    .collect();
+                let hairs: Vec<&Hair> = hairs.iter().collect();
+                let frame = Frame {
+                    ambient: Vec3::splat(0.1),
+                    view: pixel_view(size, 50.0),
+                    ..frame(&hairs, &lights)
+                };
+                render(&mut device, &frame, size).0
+            };
+            let both = picture(&[(&left, pair[0]), (&right, pair[1])]);
+            let alone = [picture(&[(&left, pair[0])]), picture(&[(&right, pair[1])])];
+            let swapped = [picture(&[(&left, pair[1])]), picture(&[(&right, pair[0])])];
+            let name = format!("{}, {rate:?}", pair[0].stem());
+            let colours = both.pixels.iter().flat_map(|pixel| &pixel[..3]);
+            let peak = colours.fold(0.0f64, |peak, channel| peak.max(*channel));
+            let worst = |others: &[Image; 2]| {
+                let mut worst = 0.0f64;
+                for (at, pixel) in both.pixels.iter().enumerate() {
+                    let [left, right] = [0, 1].map(|hair| others[hair].pixels[at]);
+                    assert!(left[3] == 0.0 || right[3] == 0.0, "{name}: hairs overlap");
+                    for c in 0..4 {
+                        worst = worst.max((pixel[c] - left[c] - right[c]).abs() / peak);
+                    }
+                }
+                worst
+            };
+            let (error, other) = (worst(&alone), worst(&swapped));
+            eprintln!("{name}: {error:.2e}; with the other's settings {other:.2e}");
+            assert!(other > 100.0 * SETTINGS_APART, "{name}: {other}");
+            let most = match rate {
+                ShadingRate::Point => 0.0,
+                ShadingRate::Fragment => SETTINGS_APART,
+            };
+            if error > most {
+                write_failure(&name, &both, &alone[0]);
+                panic!("{name}: {error}");
+            }
+        }
+    }
 }
 
 /// Where points lie close together both rates agree: what remains is the second difference within a segment, and that colours

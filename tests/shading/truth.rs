@@ -210,10 +210,11 @@ fn the_singly_scattered_ball_is_that_of_another_renderer() {
     }
 }
 
-/// Of the mean, a channel. Measured: 1.01, 0.90, 0.81. The blocks' rmse is 0.58: the lit rim is too bright, since the light that
-/// comes back is that of hair without end, and fibres that point at the eye in the middle too dark. Single scattering is 11 % too
-/// dark already, by the shadow map.
-const FULL: f64 = 0.2;
+/// Of the mean, a channel, and of the blocks' root mean square. Measured: 0.98, 0.98, 1.08; 0.26. With `disorder` 0, which is the
+/// papers' model, and densities of 1 the means are as near (1.01, 0.90, 0.81), but the blocks' rmse is 0.58: the lit rim too
+/// bright by a half, the core without light, since all light keeps to the light's own way. What is left is that the fibres
+/// towards the light say nothing of those aside and behind: a thin rim gets back what hair without end would send.
+const FULL: [f64; 2] = [0.12, 0.3];
 
 #[test]
 fn the_fully_scattered_ball_is_near_that_of_another_renderer() {
@@ -229,51 +230,16 @@ fn the_fully_scattered_ball_is_near_that_of_another_renderer() {
     });
     let alone = draw(&mut device, &folder, ball(), map);
     compare("single scattering", &alone, &single);
-    let variants = if std::env::var_os("PELAGE_TEST_VARIANTS").is_some() {
-        vec![
-            (1.0, 1.0),
-            (1.0, 0.7),
-            (1.0, 0.5),
-            (1.0, 0.3),
-            (1.0, 0.0),
-            (0.7, 0.7),
-        ]
-    } else {
-        vec![(1.0, 1.0)]
+    let dual = Chiang {
+        dual_scattering: Some(DualScattering::default()),
+        ..ball()
     };
-    for (forward, backward) in variants {
-        let dual = Chiang {
-            dual_scattering: Some(DualScattering { forward, backward }),
-            ..ball()
-        };
-        let actual = draw(&mut device, &folder, dual, map);
-        let found = compare(
-            &format!("fully scattered, densities {forward} and {backward}"),
-            &actual,
-            &full,
-        );
-        if std::env::var_os("PELAGE_TEST_VARIANTS").is_some() {
-            let bright = |image: &[[f32; 4]]| {
-                images::image(
-                    [SIZE as u32; 2],
-                    image
-                        .iter()
-                        .map(|p| p.map(|v| f64::from(v) * 4.0))
-                        .collect(),
-                )
-            };
-            images::write_failure(
-                &format!("ball {forward} {backward}"),
-                &bright(&actual),
-                &bright(&full),
-            );
-        }
-        if dual.dual_scattering == Some(DualScattering::default()) {
-            assert!(
-                found.ratio.iter().all(|r| (r - 1.0).abs() <= FULL),
-                "{:?}",
-                found.ratio
-            );
-        }
-    }
+    let actual = draw(&mut device, &folder, dual, map);
+    let found = compare("fully scattered", &actual, &full);
+    assert!(
+        found.ratio.iter().all(|r| (r - 1.0).abs() <= FULL[0]),
+        "{:?}",
+        found.ratio
+    );
+    assert!(found.rmse <= FULL[1], "{}", found.rmse);
 }

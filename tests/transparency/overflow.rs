@@ -5,10 +5,12 @@ use pelage::groom::{BuiltinGroom, Strands, builtin};
 use pelage::host::offscreen::Offscreen;
 use pelage::raster::Raster;
 use pelage::transparency::{ABuffer, Storage, Transparency, a_buffer as sizes};
-use pelage::{Frame, Hair, Light};
+use pelage::{Frame, Hair, Light, Target};
 use pelage_reference::error::{alpha_error, colour_error};
 
-use crate::common::images::{Tolerance, assert_close, assert_identical, render, write_failure};
+use crate::common::images::{
+    FORMAT, Tolerance, assert_close, assert_identical, read, render, write_failure,
+};
 use crate::common::scenes::{
     A_BUFFERS, a_buffer, lists, pixel_view, portrait, reference, unshadowed,
 };
@@ -170,6 +172,22 @@ fn a_pool_of_one_fragment_still_shows_every_hair() {
             statistics.fragments.stored <= 1,
             "{name}: {:?}",
             statistics.fragments
+        );
+        let image = device.create_image(SIZE[0], SIZE[1], FORMAT, true).unwrap();
+        let depth = image.depth.as_ref().unwrap();
+        let empty = vec![1.0; (SIZE[0] * SIZE[1]) as usize];
+        device.write_depth(depth, &empty).unwrap();
+        let target = Target {
+            depth: Some(depth),
+            write_depth: true,
+            ..Target::cleared(&image.colour)
+        };
+        device.render(&frame, &target).unwrap();
+        let with_depth = read(&mut device, &image.colour);
+        let alpha = alpha_error(&with_depth, &expected, None);
+        assert!(
+            alpha.rmse <= ALPHA && alpha.p99 <= ALPHA + UNSEEN,
+            "{name}, with its depth: {alpha:?}"
         );
     }
 }

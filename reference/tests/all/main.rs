@@ -1,5 +1,6 @@
 //! Properties of the reference: it is what all else is held to, so it is held to definitions.
 
+mod blending;
 mod chiang;
 mod composite;
 mod coverage;

@@ -6,14 +6,18 @@ use pelage::Raster;
 use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
 use pelage::shading::{
-    Chiang, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading, ShadingRate,
-    Tables,
+    Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
+    ShadingRate, Tables,
 };
 use pelage::shadow::{
     ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
     Shadow, ShadowMap,
 };
-use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{
+    ABuffer, Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
+    Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, Weight,
+    WeightedBlended,
+};
 use serde_json::Value;
 
 use super::Group;
@@ -91,7 +95,7 @@ pub struct Case {
     pub shadow: Shadow,
     /// The transparency technique.
     pub transparency: Transparency,
-    /// Where the model is evaluated, in cases that compare rates: their truth is shaded at fragments.
+    /// Where the model is evaluated, in cases that compare rates: a picture's truth is then shaded at fragments.
     pub rate: Option<ShadingRate>,
     /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
     pub pool: Option<f64>,
@@ -101,7 +105,7 @@ impl Case {
     /// The stem of the technique that is measured.
     pub fn technique(&self) -> &'static str {
         match self.group {
-            Group::Shading => self.shading.stem(),
+            Group::Shading | Group::Samples | Group::Frames => self.shading.stem(),
             Group::Shadow => self.shadow.stem(),
             Group::Transparency => self.transparency.stem(),
         }
@@ -110,7 +114,9 @@ impl Case {
     /// The measured technique's settings, as in a scene file but for the stem.
     pub fn settings(&self) -> Value {
         let mut settings = match self.group {
-            Group::Shading => techniques::shading_settings(&self.shading),
+            Group::Shading | Group::Samples | Group::Frames => {
+                techniques::shading_settings(&self.shading)
+            }
             Group::Shadow => techniques::shadow_settings(&self.shadow),
             Group::Transparency => techniques::transparency_settings(&self.transparency),
         };
@@ -123,6 +129,9 @@ impl Case {
             }
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
+            }
+            if self.group == Group::Frames {
+                map.insert("shadow".into(), self.shadow.stem().into());
             }
         }
         settings
@@ -144,55 +153,136 @@ fn white(specular: f32, exponent: f32) -> Shading {
     })
 }
 
-/// Every other model, directly and through tables of rising size.
-fn fibre_models() -> Vec<Shading> {
-    let tables = |size, precision| Some(Tables { size, precision });
-    let ladder = [
-        None,
-        tables(32, Precision::F32),
-        tables(64, Precision::F32),
-        tables(128, Precision::F32),
-        tables(256, Precision::F32),
-        tables(512, Precision::F32),
-        tables(64, Precision::F16),
-        tables(256, Precision::F16),
-    ];
-    let marschner = Marschner::default();
-    let sadeghi = Sadeghi {
+/// Table sizes and Chiang's intervals of a ladder of models.
+struct Steps<'a> {
+    tables: &'a [(u32, Precision)],
+    intervals: &'a [u32],
+}
+
+/// Of pictures: enough to see that tables of the usual size are no worse than no tables.
+const PICTURE_STEPS: Steps = Steps {
+    tables: &[
+        (32, Precision::F32),
+        (64, Precision::F32),
+        (128, Precision::F32),
+        (256, Precision::F32),
+        (512, Precision::F32),
+        (64, Precision::F16),
+        (256, Precision::F16),
+    ],
+    intervals: &[16, 128],
+};
+
+/// Of samples: every size in both formats.
+const SAMPLE_STEPS: Steps = Steps {
+    tables: &[
+        (32, Precision::F32),
+        (64, Precision::F32),
+        (128, Precision::F32),
+        (256, Precision::F32),
+        (512, Precision::F32),
+        (32, Precision::F16),
+        (64, Precision::F16),
+        (128, Precision::F16),
+        (256, Precision::F16),
+        (512, Precision::F16),
+    ],
+    intervals: &[8, 16, 32, 64, 128],
+};
+
+fn marschner(tables: Option<Tables>) -> Marschner {
+    Marschner {
+        tables,
+        ..Marschner::default()
+    }
+}
+
+fn chiang(tables: Option<Tables>) -> Chiang {
+    Chiang {
+        tables,
+        ..Chiang::default()
+    }
+}
+
+/// Sadeghi's model with one glint angle for all strands, as the reference has it.
+fn sadeghi(normalised: bool) -> Sadeghi {
+    Sadeghi {
         glint_angle: [0.65; 2],
+        normalised,
         ..Sadeghi::default()
+    }
+}
+
+/// Every model but Kajiya-Kay's, directly and through tables.
+fn fibre_models(steps: &Steps) -> Vec<Shading> {
+    let tables = || {
+        let table = |&(size, precision): &(u32, Precision)| Tables { size, precision };
+        steps.tables.iter().map(table)
     };
-    let mut models = vec![Shading::Scheuermann(Scheuermann::default())];
-    models.extend(ladder.map(|tables| {
-        Shading::Marschner(Marschner {
-            tables,
-            ..marschner
-        })
-    }));
-    models.push(Shading::Marschner(Marschner {
-        tables: None,
+    let cubic = Marschner {
         roots: Roots::Cubic,
-        ..marschner
-    }));
-    models.extend([false, true].map(|normalised| {
-        Shading::Sadeghi(Sadeghi {
-            normalised,
-            ..sadeghi
-        })
-    }));
-    models.extend([16, 128].map(|intervals| {
+        ..marschner(None)
+    };
+    let mut models = vec![
+        Shading::Scheuermann(Scheuermann::default()),
+        Shading::Marschner(marschner(None)),
+    ];
+    models.extend(tables().map(|t| Shading::Marschner(marschner(Some(t)))));
+    models.push(Shading::Marschner(cubic));
+    models.extend([false, true].map(|normalised| Shading::Sadeghi(sadeghi(normalised))));
+    models.extend(steps.intervals.iter().map(|&intervals| {
         Shading::Chiang(Chiang {
-            tables: None,
             intervals,
-            ..Chiang::default()
+            ..chiang(None)
         })
     }));
-    models.extend(ladder.into_iter().flatten().map(|tables| {
+    models.extend(tables().map(|t| Shading::Chiang(chiang(Some(t)))));
+    models
+}
+
+/// Where a model may be evaluated.
+const RATES: [ShadingRate; 2] = [ShadingRate::Point, ShadingRate::Fragment];
+
+/// The models that are measured at both rates: the cheapest, and two through tables of the usual size.
+fn rated_models(dual_scattering: Option<DualScattering>) -> [Shading; 3] {
+    let tables = Some(Tables::default());
+    [
+        white(0.09, 60.0),
+        Shading::Marschner(Marschner {
+            dual_scattering,
+            ..marschner(tables)
+        }),
         Shading::Chiang(Chiang {
-            tables: Some(tables),
-            ..Chiang::default()
-        })
-    }));
+            dual_scattering,
+            ..chiang(tables)
+        }),
+    ]
+}
+
+/// Every model as a host has it without asking for more, and directly, where it has tables; the first is that to which all
+/// are held. With `dual_scattering` those that have it.
+fn frame_models(dual_scattering: Option<DualScattering>) -> Vec<Shading> {
+    let [kajiya_kay, by_tables, chiang_by_tables] = rated_models(dual_scattering);
+    let mut models = vec![kajiya_kay];
+    if dual_scattering.is_none() {
+        models.push(Shading::Scheuermann(Scheuermann::default()));
+    }
+    models.extend([
+        by_tables,
+        Shading::Marschner(Marschner {
+            dual_scattering,
+            ..marschner(None)
+        }),
+        Shading::Sadeghi(Sadeghi {
+            dual_scattering,
+            ..sadeghi(true)
+        }),
+        chiang_by_tables,
+        Shading::Chiang(Chiang {
+            dual_scattering,
+            ..chiang(None)
+        }),
+    ]);
     models
 }
 
@@ -315,28 +405,48 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
-    cases.extend(fibre_models().into_iter().map(|shading| Case {
+    let opaque = |group, shading, shadow, rate| Case {
+        group,
         shading,
-        ..base.clone()
-    }));
-    cases.extend(shadows(quick).into_iter().map(|shadow| Case {
-        group: Group::Shadow,
-        shading: white(0.0, 60.0),
         shadow,
+        rate,
         ..base.clone()
-    }));
-    for shading in [
-        white(0.09, 60.0),
-        Shading::Marschner(Marschner::default()),
-        Shading::Chiang(Chiang::default()),
+    };
+    cases.extend(
+        fibre_models(&PICTURE_STEPS)
+            .into_iter()
+            .map(|shading| opaque(Group::Shading, shading, Shadow::None, None)),
+    );
+    for shading in rated_models(None) {
+        cases.extend(RATES.map(|rate| opaque(Group::Shading, shading, Shadow::None, Some(rate))));
+    }
+    cases.extend(
+        std::iter::once(base.shading)
+            .chain(fibre_models(&SAMPLE_STEPS))
+            .map(|shading| opaque(Group::Samples, shading, Shadow::None, None)),
+    );
+    cases.extend(
+        shadows(quick)
+            .into_iter()
+            .map(|shadow| opaque(Group::Shadow, white(0.0, 60.0), shadow, None)),
+    );
+    for (dual, shadow) in [
+        (None, Shadow::None),
+        (
+            Some(DualScattering::default()),
+            Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        ),
     ] {
-        cases.extend(
-            [ShadingRate::Point, ShadingRate::Fragment].map(|rate| Case {
-                shading,
-                rate: Some(rate),
-                ..base.clone()
-            }),
-        );
+        for shading in frame_models(dual) {
+            let rates = RATES.map(Some);
+            let rates = if rated_models(dual).contains(&shading) {
+                &rates[..]
+            } else {
+                &rates[..1]
+            };
+            let rated = |rate: &Option<ShadingRate>| opaque(Group::Frames, shading, shadow, *rate);
+            cases.extend(rates.iter().map(rated));
+        }
     }
     let base = Case {
         group: Group::Transparency,
@@ -373,6 +483,26 @@ pub fn cases(quick: bool) -> Vec<Case> {
             });
         }
     }
+    cases.extend(k_buffers().into_iter().map(|(k_buffer, pool)| Case {
+        transparency: Transparency::KBuffer(k_buffer),
+        pool,
+        ..base.clone()
+    }));
+    cases.extend(k_plus_buffers().into_iter().map(|k_plus_buffer| Case {
+        transparency: Transparency::KPlusBuffer(k_plus_buffer),
+        ..base.clone()
+    }));
+    cases.extend(single_passes().into_iter().map(|(single_pass, pool)| Case {
+        transparency: Transparency::KBufferSinglePass(single_pass),
+        pool,
+        ..base.clone()
+    }));
+    for raster in [Raster::Walk, Raster::Ribbons] {
+        cases.push(Case {
+            transparency: Transparency::Moment(Moment { raster }),
+            ..base.clone()
+        });
+    }
     for epsilon in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0] {
         cases.push(Case {
             transparency: Transparency::DbkBuffer(DbkBuffer {
@@ -382,5 +512,121 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
+    let others = blended(quick);
+    cases.extend(others.into_iter().map(|transparency| Case {
+        transparency,
+        ..base.clone()
+    }));
     cases
+}
+
+/// The techniques that keep a bounded part of a pixel's fragments, or none.
+fn blended(quick: bool) -> Vec<Transparency> {
+    let mut ladder = Vec::new();
+    let weights = [2.0, 4.0, 8.0, 16.0].map(|falloff| Weight::Exponential { falloff });
+    for weight in [Weight::Uniform, Weight::Cubic].into_iter().chain(weights) {
+        ladder.push(Transparency::WeightedBlended(WeightedBlended {
+            weight,
+            ..Default::default()
+        }));
+    }
+    let peels: &[u32] = if quick {
+        &[1, 4]
+    } else {
+        &[1, 2, 4, 8, 16, 64, 256]
+    };
+    for &peels in peels {
+        ladder.push(Transparency::DepthPeeling(DepthPeeling {
+            peels,
+            ..Default::default()
+        }));
+    }
+    for subsets in [2, 4, 8, 16] {
+        for exact_alpha in [false, true] {
+            ladder.push(Transparency::RandomSubsets(RandomSubsets {
+                subsets,
+                exact_alpha,
+                ..Default::default()
+            }));
+        }
+    }
+    for bins in [16, 64, 256, 1024, 4096] {
+        ladder.push(Transparency::SortedBlending(SortedBlending {
+            bins,
+            ..Default::default()
+        }));
+    }
+    for (order, full_precision, reuse) in [
+        (BlendOrder::FrontToBack, false, 0),
+        (BlendOrder::BackToFront, true, 0),
+        (BlendOrder::BackToFront, false, 1_000_000),
+    ] {
+        ladder.push(Transparency::SortedBlending(SortedBlending {
+            order,
+            full_precision,
+            reuse,
+            ..Default::default()
+        }));
+    }
+    ladder
+}
+
+/// The k⁺-buffer over K by 64-bit atomics, at its own K by 32-bit ones, and with what becomes of the rest.
+fn k_plus_buffers() -> Vec<KPlusBuffer> {
+    let base = KPlusBuffer {
+        raster: Raster::Walk,
+        ..KPlusBuffer::default()
+    };
+    let mut ladder: Vec<_> = [2, 4, 8, 16, 32, 64]
+        .map(|k| KPlusBuffer { k, ..base })
+        .into();
+    ladder.push(KPlusBuffer {
+        atomics: Atomics::Bits32,
+        ..base
+    });
+    ladder.extend([Rest::Merged, Rest::Dropped].map(|rest| KPlusBuffer { rest, ..base }));
+    ladder
+}
+
+/// The single-pass k-buffer over K, and with small pools.
+fn single_passes() -> Vec<(KBufferSinglePass, Option<f64>)> {
+    let base = KBufferSinglePass {
+        raster: Raster::Walk,
+        ..KBufferSinglePass::default()
+    };
+    let mut ladder: Vec<_> = [2, 4, 8, 16, 32, 64]
+        .map(|k| (KBufferSinglePass { k, ..base }, None))
+        .into();
+    ladder.extend([0.5, 0.1].map(|pool| (base, Some(pool))));
+    ladder
+}
+
+/// The k-buffer over K, with what becomes of the rest, by each selection (Yu et al. 2012, §6.1), and with small pools.
+fn k_buffers() -> Vec<(KBuffer, Option<f64>)> {
+    let base = KBuffer {
+        raster: Raster::Walk,
+        ..KBuffer::default()
+    };
+    let mut ladder = Vec::new();
+    for k in [2, 4, 8, 16, 32, 64] {
+        ladder.push((KBuffer { k, ..base }, None));
+        if k == 16 || k == 64 {
+            let others = [Selection::Rounds, Selection::Sort];
+            ladder.extend(others.map(|selection| {
+                (
+                    KBuffer {
+                        k,
+                        selection,
+                        ..base
+                    },
+                    None,
+                )
+            }));
+        }
+    }
+    for rest in [Rest::Alpha, Rest::Dropped] {
+        ladder.extend([4, 8, 16].map(|k| (KBuffer { k, rest, ..base }, None)));
+    }
+    ladder.extend([0.5, 0.1].map(|pool| (base, Some(pool))));
+    ladder
 }

@@ -12,10 +12,10 @@ use pelage_reference::composite;
 use pelage_reference::error::colour_error;
 
 use super::Group;
-use super::flip;
 use super::ladder::{Case, Scene};
 use super::row::{Error, Fragments, Row, Times};
 use super::truth::{IRRADIANCE, LIGHT_DIRECTION, Truth};
+use super::{flip, samples};
 use crate::Result;
 
 /// Frames before any is timed: shaders are compiled and pools find their size.
@@ -26,7 +26,7 @@ const TIMED_FRAMES: usize = 5;
 const SAME_COLOUR: f64 = 0.005;
 
 /// A case on a device of its own, so that its memory is its own.
-struct Bench<'a> {
+pub struct Bench<'a> {
     offscreen: Offscreen,
     image: Image,
     hair: Hair,
@@ -35,6 +35,9 @@ struct Bench<'a> {
 
 /// Measures a case.
 pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
+    if case.group == Group::Samples {
+        return samples::measure(scene, truth, case);
+    }
     let mut case = case.clone();
     set_pool(&mut case, truth.lists.fragments.len());
     let mut bench = Bench::new(scene, truth, &case)?;
@@ -47,26 +50,19 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
             bench.image_error(&case, &truth.nearest(&case.shading, case.rate.is_some())?)?,
             None,
         ),
-        Group::Transparency => (bench.image_error(&case, truth.exact(&case.shading)?)?, None),
+        _ => (bench.image_error(&case, truth.exact(&case.shading)?)?, None),
     };
     let times = if case.group == Group::Shadow {
-        bench.pass_times(&case, "pelage.shadow.")?
+        (0..TIMED_FRAMES)
+            .map(|_| bench.pass_time(&case, "pelage.shadow."))
+            .collect::<Result<_>>()?
     } else {
         bench.times(&case)?
     };
     let statistics = bench.offscreen.renderer.statistics();
     let fragments = statistics.fragments;
-    let info = bench.offscreen.adapter_info();
     Ok(Row {
-        group: case.group.name().into(),
-        technique: case.technique().into(),
-        settings: case.settings(),
-        scene: scene.name.into(),
-        width: scene.size[0],
-        height: scene.size[1],
-        error,
         image_error,
-        ms: spread(times),
         bytes: statistics.bytes_total,
         fragments: (fragments.produced > 0).then_some(Fragments {
             produced: fragments.produced,
@@ -82,27 +78,62 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
             }) => Some(truth.fewest(f64::from(epsilon))),
             _ => None,
         },
-        adapter: info.name.clone(),
-        driver: format!("{} {}", info.driver, info.driver_info)
+        ..row(scene, &case, error, spread(times), bench.adapter())
+    })
+}
+
+/// A case's row of today, with what every group measures.
+pub fn row(
+    scene: &Scene,
+    case: &Case,
+    error: Error,
+    ms: Times,
+    adapter: &wgpu::AdapterInfo,
+) -> Row {
+    Row {
+        group: case.group.name().into(),
+        technique: case.technique().into(),
+        settings: case.settings(),
+        scene: scene.name.into(),
+        width: scene.size[0],
+        height: scene.size[1],
+        error,
+        image_error: None,
+        ms,
+        samples: None,
+        ratio: None,
+        shading_ms: None,
+        bytes: 0,
+        fragments: None,
+        fewest: None,
+        adapter: adapter.name.clone(),
+        driver: format!("{} {}", adapter.driver, adapter.driver_info)
             .trim()
             .into(),
         date: time::OffsetDateTime::now_utc().date().to_string(),
-    })
+    }
 }
 
 /// Turns a part of the pool into bytes.
 fn set_pool(case: &mut Case, fragments: usize) {
-    let (Some(part), Transparency::ABuffer(settings)) = (case.pool, &mut case.transparency) else {
-        return;
+    let Some(part) = case.pool else { return };
+    let bytes = |storage| {
+        let each = match storage {
+            Storage::Counted => FRAGMENT_BYTES,
+            Storage::Lists => NODE_BYTES,
+        };
+        Some((part * fragments as f64 * each as f64) as u64)
     };
-    let each = match settings.storage {
-        Storage::Counted => FRAGMENT_BYTES,
-        Storage::Lists => NODE_BYTES,
-    };
-    settings.pool_bytes = Some((part * fragments as f64 * each as f64) as u64);
+    match &mut case.transparency {
+        Transparency::ABuffer(settings) => settings.pool_bytes = bytes(settings.storage),
+        Transparency::KBuffer(settings) => settings.pool_bytes = bytes(settings.storage),
+        Transparency::KBufferSinglePass(settings) => settings.pool_bytes = bytes(Storage::Lists),
+        _ => {}
+    }
 }
 
-fn spread(mut times: Vec<f64>) -> Times {
+/// The least and the median of at least one.
+pub fn spread(mut times: Vec<f64>) -> Times {
     times.sort_unstable_by(f64::total_cmp);
     Times {
         min: times[0],
@@ -111,7 +142,8 @@ fn spread(mut times: Vec<f64>) -> Times {
 }
 
 impl<'a> Bench<'a> {
-    fn new(scene: &Scene, truth: &'a Truth, case: &Case) -> Result<Self> {
+    /// The scene's groom with the case's shading.
+    pub fn new(scene: &Scene, truth: &'a Truth, case: &Case) -> Result<Self> {
         let mut offscreen = Offscreen::new(&OffscreenOptions::default()).map_err(sentence)?;
         let [width, height] = scene.size;
         let image = offscreen
@@ -133,7 +165,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Renders once; the wall clock from the start of recording in milliseconds.
-    fn render(&mut self, shadow: Shadow, transparency: Transparency) -> Result<f64> {
+    pub fn render(&mut self, shadow: Shadow, transparency: Transparency) -> Result<f64> {
         let lights = [light(shadow)];
         let hairs = [&self.hair];
         let frame = frame(&hairs, &lights, self.truth, transparency);
@@ -163,35 +195,43 @@ impl<'a> Bench<'a> {
         })
     }
 
+    /// Frames before any is timed.
+    pub fn warm_up(&mut self, case: &Case) -> Result<()> {
+        for _ in 0..WARM_UP_FRAMES {
+            self.render(case.shadow, case.transparency)?;
+        }
+        Ok(())
+    }
+
+    /// The device.
+    pub fn adapter(&self) -> &wgpu::AdapterInfo {
+        self.offscreen.adapter_info()
+    }
+
+    /// GPU memory held.
+    pub fn bytes(&mut self) -> u64 {
+        self.offscreen.renderer.statistics().bytes_total
+    }
+
     fn times(&mut self, case: &Case) -> Result<Vec<f64>> {
         (0..TIMED_FRAMES)
             .map(|_| self.render(case.shadow, case.transparency))
             .collect()
     }
 
-    /// The sum of the passes whose label begins so, each submitted alone.
-    fn pass_times(&mut self, case: &Case, prefix: &str) -> Result<Vec<f64>> {
+    /// The sum of the passes whose label begins so, each submitted alone, in milliseconds.
+    pub fn pass_time(&mut self, case: &Case, prefix: &str) -> Result<f64> {
         let lights = [light(case.shadow)];
         let hairs = [&self.hair];
         let frame = frame(&hairs, &lights, self.truth, case.transparency);
-        let target = Target::cleared(&self.image.colour);
-        let mut times = Vec::new();
-        for _ in 0..TIMED_FRAMES {
-            let passes = self
-                .offscreen
-                .renderer
-                .render_timed(&frame, &target)
-                .map_err(sentence)?
-                .passes;
-            times.push(
-                passes
-                    .iter()
-                    .filter(|pass| pass.label.starts_with(prefix))
-                    .map(|pass| pass.ms)
-                    .sum(),
-            );
-        }
-        Ok(times)
+        let passes = self
+            .offscreen
+            .renderer
+            .render_timed(&frame, &Target::cleared(&self.image.colour))
+            .map_err(sentence)?
+            .passes;
+        let of_prefix = passes.iter().filter(|pass| pass.label.starts_with(prefix));
+        Ok(of_prefix.map(|pass| pass.ms).sum())
     }
 
     /// The picture against another.
@@ -236,7 +276,7 @@ impl<'a> Bench<'a> {
 }
 
 /// Of absolute differences, at least one.
-fn error_of(mut differences: Vec<f64>) -> Error {
+pub fn error_of(mut differences: Vec<f64>) -> Error {
     differences.sort_unstable_by(f64::total_cmp);
     let count = differences.len();
     Error {
@@ -273,6 +313,7 @@ fn frame<'a>(
     }
 }
 
-fn sentence(error: pelage::Error) -> String {
+/// An error as a sentence.
+pub fn sentence(error: pelage::Error) -> String {
     error.to_string()
 }

@@ -4,17 +4,21 @@
 //! that are already there are kept, so that a run that was stopped goes on where it was.
 
 mod flip;
+mod frames;
 mod ladder;
 mod measure;
 #[path = "../../../tests/shading/reference.rs"]
 mod models;
 mod plots;
 mod row;
+mod samples;
 mod tables;
 mod truth;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+
+use pelage::shadow::Shadow;
 
 use crate::{Result, root};
 use ladder::{Case, SCENES};
@@ -41,6 +45,10 @@ pub struct Options {
 pub enum Group {
     /// Shading models.
     Shading,
+    /// Shading models by themselves: nanoseconds a sample.
+    Samples,
+    /// Whole frames of all shading models in one run.
+    Frames,
     /// Shadow techniques.
     Shadow,
     /// Transparency techniques.
@@ -52,6 +60,8 @@ impl Group {
     fn name(self) -> &'static str {
         match self {
             Self::Shading => "shading",
+            Self::Samples => "samples",
+            Self::Frames => "frames",
             Self::Shadow => "shadow",
             Self::Transparency => "transparency",
         }
@@ -87,7 +97,24 @@ pub fn run(options: &Options) -> Result<()> {
                 .map_err(|error| error.to_string())?,
         );
         let truth = truth::Truth::new(scene)?;
-        for case in &missing {
+        let (in_turns, alone): (Vec<Case>, Vec<Case>) = missing
+            .into_iter()
+            .partition(|case| case.group == Group::Frames);
+        for shadow in turns(&in_turns) {
+            // What takes turns is measured whole, even if some of it is there.
+            let turn: Vec<Case> = (cases.iter())
+                .filter(|case| case.group == Group::Frames && case.shadow == shadow)
+                .cloned()
+                .collect();
+            let measured = frames::measure(scene, &truth, &turn, &progress)?;
+            rows.retain(|old| !turn.iter().any(|case| old.is_of(case, scene)));
+            for row in measured {
+                progress.suspend(|| println!("{row}"));
+                rows.push(row);
+            }
+            row::save(&path, &rows)?;
+        }
+        for case in &alone {
             progress.set_message(case.to_string());
             match measure::measure(scene, &truth, case) {
                 Ok(row) => {
@@ -106,6 +133,17 @@ pub fn run(options: &Options) -> Result<()> {
     row::save(&path, &rows)?;
     tables::write(&folder, &rows)?;
     plots::write(&folder, &rows)
+}
+
+/// The shadow techniques of cases that take turns: those with the same one do so together.
+fn turns(cases: &[Case]) -> Vec<Shadow> {
+    let mut shadows = Vec::new();
+    for case in cases {
+        if !shadows.contains(&case.shadow) {
+            shadows.push(case.shadow);
+        }
+    }
+    shadows
 }
 
 /// The scenes that the options ask for.

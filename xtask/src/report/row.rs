@@ -12,7 +12,7 @@ use crate::Result;
 /// One technique with one set of settings on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// `shading`, `shadow` or `transparency`.
+    /// The group's name: `shading`, `samples`, `frames`, `shadow`, `transparency`.
     pub group: String,
     /// The technique's stem.
     pub technique: String,
@@ -29,9 +29,18 @@ pub struct Row {
     /// For shadows, the error of the picture where points were shaded.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub image_error: Option<Error>,
-    /// Time of the frame, or for shadows of the light's passes, in milliseconds.
+    /// Time of the frame, for shadows of the light's passes, for samples of the evaluation of all, in milliseconds.
     pub ms: Times,
-    /// GPU memory of the frame: the geometry's and the techniques'.
+    /// How many samples were evaluated in that time.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub samples: Option<u64>,
+    /// For frames, the time over that of the same round's first model.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub ratio: Option<Times>,
+    /// For frames shaded at points, time of the shading passes submitted alone, in milliseconds.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub shading_ms: Option<Times>,
+    /// GPU memory of the frame: the geometry's and the techniques'; for samples the tables' alone.
     pub bytes: u64,
     /// What became of the fragments.
     pub fragments: Option<Fragments>,
@@ -47,7 +56,7 @@ pub struct Row {
 }
 
 /// How far from the reference.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Error {
     /// Root of the mean square.
     pub rmse: f64,
@@ -82,6 +91,11 @@ pub struct Fragments {
 }
 
 impl Row {
+    /// Nanoseconds a sample, the least, where samples were evaluated.
+    pub fn ns(&self) -> Option<f64> {
+        self.samples.map(|count| self.ms.min * 1e6 / count as f64)
+    }
+
     /// Whether this is a case's row on a scene.
     pub fn is_of(&self, case: &Case, scene: &Scene) -> bool {
         self.group == case.group.name()

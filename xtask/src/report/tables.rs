@@ -6,6 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::plots;
 use super::row::{Error, Row};
 use crate::Result;
 
@@ -20,7 +21,13 @@ of white.
   over a disc of half a pixel's size; time of the light's passes, each submitted alone. \"Picture\" is the error of the shaded
   nearest fragments. Convergence: the error of opacity shadow maps falls as N^-0.8 from 16 to 128 planes (a test on 2,000
   straight strands: RMSE 0.132 to 0.0245), and is not yet the texels' own there.
-- **Shading**: the nearest fragments' picture against the reference's, without shadows; time of the whole frame.
+- **Samples**: each model by itself over the groom's strand points: the least nanoseconds a sample, of 2¹⁸ in a dispatch and up to 40 dispatches, with reading and
+  writing a sample's 96 bytes; errors against the exact model, of the root of its mean square. MB are the tables' alone. At points and at
+  fragments the models are the same; what differs is how many there are.
+- **Frames**: whole frames of all models, which take turns; ratios are those to Kajiya-Kay's frame of the same round; the shading
+  passes submitted alone, but at `rate` fragment, where the resolve shades. `chiang` and `marschner` come through tables of the default size, and directly.
+- **Shading**: the nearest fragments' picture against the reference's, without shadows; time of the whole frame. Where a row
+  names its `rate`, the reference is shaded at fragments, else at strand points.
 - ꟻLIP is the mean over the whole picture, on mid-grey. Memory is all of the library's on the device: geometry too.
 - `pool_part` 0.1 is a fragment pool a tenth of what all fragments need: the rest is merged.
 
@@ -52,17 +59,16 @@ pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
             "## {scene}, {width}×{height}: {group}\n\n{adapter}, {driver}, {date}.\n"
         )
         .ok();
-        text += &table(&rows, group == "shadow");
-        writeln!(
-            text,
-            "\n![Error against time](error_time_{scene}_{group}.svg)"
-        )
-        .ok();
-        writeln!(
-            text,
-            "![Error against memory](error_memory_{scene}_{group}.svg)\n"
-        )
-        .ok();
+        text += &match group {
+            "samples" => sample_table(&rows),
+            "frames" => frame_table(&rows),
+            _ => table(&rows, group == "shadow"),
+        };
+        text += "\n";
+        for (path, title) in plots::names(scene, group, &rows) {
+            writeln!(text, "![{title}]({path})").ok();
+        }
+        text += "\n";
     }
     let path = folder.join("README.md");
     std::fs::write(&path, text)
@@ -98,6 +104,48 @@ fn table(rows: &[&Row], is_shadow: bool) -> String {
             settings(&row.settings),
             row.ms.median,
             row.ms.min,
+            row.bytes as f64 / 1e6,
+        )
+        .ok();
+    }
+    text
+}
+
+fn sample_table(rows: &[&Row]) -> String {
+    let mut text =
+        "| technique | settings | ns | RMSE | p99 | max | MB |\n|---|---|---|---|---|---|---|\n"
+            .to_owned();
+    for row in rows {
+        writeln!(
+            text,
+            "| `{}` | {} | {:.1} | {:.1e} | {:.1e} | {:.1e} | {:.3} |",
+            row.technique,
+            settings(&row.settings),
+            row.ns().unwrap_or_default(),
+            row.error.rmse,
+            row.error.p99,
+            row.error.max,
+            row.bytes as f64 / 1e6,
+        )
+        .ok();
+    }
+    text
+}
+
+fn frame_table(rows: &[&Row]) -> String {
+    let mut text = "| technique | settings | ms, median (min) | of Kajiya-Kay's | shading passes, ms | MB |\n|---|---|---|---|---|---|\n".to_owned();
+    for row in rows {
+        let passes = row
+            .shading_ms
+            .map_or("–".into(), |times| format!("{:.1}", times.median));
+        writeln!(
+            text,
+            "| `{}` | {} | {:.1} ({:.1}) | {:.2} | {passes} | {:.1} |",
+            row.technique,
+            settings(&row.settings),
+            row.ms.median,
+            row.ms.min,
+            row.ratio.map_or(f64::NAN, |times| times.median),
             row.bytes as f64 / 1e6,
         )
         .ok();

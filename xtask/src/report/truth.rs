@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use pelage::glam::{DVec3, Vec3};
 use pelage::groom::{self, Curve, Strands};
-use pelage::shading::Shading;
+use pelage::shading::{Sample, Shading};
 use pelage_reference::composite::{self, Image, point_colours};
 use pelage_reference::fibre::{Direction, FibreModel};
 use pelage_reference::fragments::{Fragment, FragmentLists, fragment_lists};
@@ -176,6 +176,31 @@ impl Truth {
             probes: OnceCell::new(),
             exact: OnceCell::new(),
         })
+    }
+
+    /// Every strand point, lit, as the shading pass sees it.
+    pub fn samples(&self) -> Vec<Sample> {
+        let to_light = -LIGHT_DIRECTION.normalize();
+        let sample = |(point, tangent): (&DVec3, &DVec3)| {
+            let to_eye = (self.eye - *point).normalize();
+            let [tangent, to_light, to_eye] =
+                [tangent.normalize(), to_light, to_eye].map(|v| v.as_vec3());
+            Sample::lit(tangent, to_light, to_eye)
+        };
+        std::iter::zip(&self.reference.points, &self.tangents)
+            .map(sample)
+            .collect()
+    }
+
+    /// The reference's values of samples.
+    pub fn scatter_samples(&self, shading: &Shading, samples: &[Sample]) -> Result<Vec<DVec3>> {
+        let scatter = scatter(shading)?;
+        let value = |sample: &Sample| {
+            let [tangent, to_light, to_eye] =
+                [sample.tangent, sample.to_light, sample.to_eye].map(|v| v.as_dvec3());
+            scatter(tangent, to_light, to_eye)
+        };
+        Ok(samples.par_iter().map(value).collect())
     }
 
     /// Radiance towards the eye of every point, without shadow.

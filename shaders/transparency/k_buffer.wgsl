@@ -1,0 +1,160 @@
+// k-buffer from the A-buffer (Yu et al. 2012, §5.1): one way through a pixel's list keeps its K nearest fragments, which
+// are composited front to back. REGISTERS of them are kept at a time: K (Yu), 8, or 1, which is the selection sort of
+// the K foremost (Yang et al. 2010) that Yu compares with.
+//
+// Yu keeps the registers unordered and looks for the farthest at each replacement. Here they are in order, four to a
+// vector: the farthest is the last one, and an insertion is one step a vector, with no sort afterwards. The order is by
+// (key, point), so that neither equal depths nor the storage's order change the picture.
+//
+// The rest, which Yu leaves out, is a layer behind them: REST_MERGED by exact transmittance and weighted colour, in integer
+// sums; REST_ALPHA by exact transmittance in the colour of the K; REST_DROPPED not at all.
+
+const REST_MERGED: u32 = 0u;
+const REST_ALPHA: u32 = 1u;
+const REST_DROPPED: u32 = 2u;
+
+// Vectors of registers.
+const K_BUFFER_BLOCKS: u32 = (REGISTERS + 3u) / 4u;
+
+// Σ opacity and Σ opacity × colour in the steps of the overflow's tail, with their carries.
+struct KBufferSums {
+    low: vec4u,
+    high: vec4u,
+}
+
+fn k_buffer_add(sums: KBufferSums, steps: vec4u) -> KBufferSums {
+    let low = sums.low + steps;
+    return KBufferSums(low, sums.high + select(vec4u(0u), vec4u(1u), low < steps));
+}
+
+// Colour and transmittance of the fragments from (key, point) on.
+fn k_buffer_rest(first: u32, count: u32, key: u32, point: u32) -> vec4f {
+    // Where nothing was kept there is no other colour.
+    let with_colour = REST == REST_MERGED || (key == 0u && point == 0u);
+    var sums = KBufferSums(vec4u(0u), vec4u(0u));
+    // From 2^31 on, an optical depth of 32,768, it stays.
+    var depth = 0u;
+    var node = first;
+    for (var i = 0u; i < count; i++) {
+        let place = select(first + i, node - 1u, LISTS);
+        if LISTS { node = links[place]; }
+        let other_key = a_buffer_word(place, 0u);
+        if other_key < key { continue; }
+        let other_point = a_buffer_word(place, 1u);
+        if other_key == key && other_point < point { continue; }
+        let value = a_buffer_value(place);
+        depth = min(depth + u32(optical_depth(value.x) * OPTICAL_DEPTH_SCALE + 0.5), 0x80000000u);
+        if with_colour {
+            let colour = min(value.x * shaded_colour(other_point, value.y) * frame.tail_scale, vec3f(TAIL_LARGEST));
+            sums = k_buffer_add(sums, vec4u(vec4f(value.x * TAIL_WEIGHT_SCALE, colour) + 0.5));
+        }
+    }
+    let through = exp(-f32(depth) / OPTICAL_DEPTH_SCALE);
+    let total = vec4f(sums.low) + vec4f(sums.high) * 4294967296.0;
+    let weight = max(total.x / TAIL_WEIGHT_SCALE, 1e-20);
+    return vec4f(total.yzw / frame.tail_scale / weight, through);
+}
+
+fn resolve(pixel: vec2u) -> Resolved {
+    pixels_begin();
+    shaded_begin(pixel);
+    let number = pixel_number(pixel);
+    let first = a_buffer_first(number);
+    let count = a_buffer_count(number, first);
+    var result = Resolved(vec4f(0.0), A_BUFFER_NONE);
+    if count == 0u && !a_buffer_overflowed() { return result; }
+    var transmittance = 1.0;
+    var colour = vec3f(0.0);
+    // Fragments before (key, point) are done.
+    var key = 0u;
+    var point = 0u;
+    var kept = 0u;
+    // A list so long that keeping K of it would take more than A_BUFFER_STEPS steps keeps fewer.
+    let steps = A_BUFFER_STEPS / (count + 1u);
+    let blocks = clamp(steps, 3u, K_BUFFER_BLOCKS + 2u) - 2u;
+    // One for which even that is too much is the rest as a whole.
+    let rounds = select(max(steps / (blocks + 1u), 2u) - 1u, 0u, steps < 3u && REST != REST_DROPPED);
+    for (var round = 0u; round < rounds && kept < min(K, count) && transmittance > A_BUFFER_UNSEEN; round++) {
+        var keys: array<vec4u, K_BUFFER_BLOCKS>;
+        var points: array<vec4u, K_BUFFER_BLOCKS>;
+        var values: array<vec4u, K_BUFFER_BLOCKS>;
+        for (var block = 0u; block < K_BUFFER_BLOCKS; block++) { keys[block] = vec4u(A_BUFFER_NONE); }
+        var last_key = A_BUFFER_NONE;
+        var last_point = 0u;
+        var node = first;
+        for (var i = 0u; i < count; i++) {
+            let place = select(first + i, node - 1u, LISTS);
+            if LISTS { node = links[place]; }
+            var carry_key = a_buffer_word(place, 0u);
+            if carry_key < key || carry_key > last_key { continue; }
+            var carry_point = a_buffer_word(place, 1u);
+            if carry_key == last_key && carry_point >= last_point { continue; }
+            if carry_key == key && carry_point < point { continue; }
+            var carry_value = a_buffer_word(place, 2u);
+            // What covers nothing takes nobody's place.
+            if (carry_value & 0xffffu) == 0u { continue; }
+            if REGISTERS == 1u {
+                keys[0].x = carry_key;
+                points[0].x = carry_point;
+                values[0].x = carry_value;
+                last_key = carry_key;
+                last_point = carry_point;
+                continue;
+            }
+            for (var block = 0u; block < K_BUFFER_BLOCKS; block++) {
+                if block >= blocks { break; }
+                let old_keys = keys[block];
+                let old_points = points[block];
+                let old_values = values[block];
+                let new_key = vec4u(carry_key);
+                let before = (new_key < old_keys) | ((new_key == old_keys) & (vec4u(carry_point) < old_points));
+                let shifted = vec4<bool>(false, before.xyz);
+                keys[block] = select(old_keys, select(new_key, vec4u(0u, old_keys.xyz), shifted), before);
+                points[block] = select(old_points, select(vec4u(carry_point), vec4u(0u, old_points.xyz), shifted), before);
+                values[block] = select(old_values, select(vec4u(carry_value), vec4u(0u, old_values.xyz), shifted), before);
+                carry_key = select(carry_key, old_keys.w, before.w);
+                carry_point = select(carry_point, old_points.w, before.w);
+                carry_value = select(carry_value, old_values.w, before.w);
+                last_key = keys[block].w;
+                last_point = points[block].w;
+            }
+        }
+        if keys[0].x == A_BUFFER_NONE { break; }
+        for (var i = 0u; i < min(REGISTERS, 4u * blocks) && kept < K && transmittance > A_BUFFER_UNSEEN; i++) {
+            let chosen = keys[i / 4u][i % 4u];
+            if chosen == A_BUFFER_NONE { break; }
+            let chosen_point = points[i / 4u][i % 4u];
+            let word = values[i / 4u][i % 4u];
+            let root = f32(word & 0xffffu) / 65535.0;
+            let opacity = root * root;
+            colour += transmittance * opacity * shaded_colour(chosen_point, f32(word >> 16u) / 65535.0);
+            transmittance *= 1.0 - opacity;
+            if kept == 0u { result.key = chosen; }
+            key = chosen;
+            point = chosen_point + 1u;
+            kept += 1u;
+        }
+    }
+    if REST != REST_DROPPED && kept < count && transmittance > A_BUFFER_UNSEEN {
+        let rest = k_buffer_rest(first, count, key, point);
+        let opacity = transmittance * (1.0 - rest.w);
+        let own = select(colour / (1.0 - transmittance), vec3f(0.0), kept == 0u);
+        colour += opacity * select(own, rest.xyz, REST == REST_MERGED || kept == 0u);
+        transmittance -= opacity;
+    }
+    if a_buffer_overflowed() && transmittance > A_BUFFER_UNSEEN {
+        let tail = tail_of(number);
+        colour += transmittance * tail.xyz;
+        transmittance *= tail.w;
+        if result.key == A_BUFFER_NONE && tail.w < 1.0 { result.key = a_buffer_tail_key(number); }
+    }
+    result.colour = vec4f(colour, 1.0 - transmittance);
+    return result;
+}
+
+// What the outputs beside the colour say is covered is what is drawn.
+fn nearest(pixel: vec2u) -> Nearest {
+    var near = a_buffer_nearest(pixel);
+    if REST == REST_DROPPED { near.opacity = resolve(pixel).colour.w; }
+    return near;
+}
