@@ -10,10 +10,11 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let texel = frame.shadow_views[map].layer_base + (place.y * frame.lights[light].resolution + place.x) * words;
     let carries = shadow_maps[texel + words - 1u];
     let total = moment_sum(texel, 0u, carries);
-    // The point's own fibre lies at x, and is taken off the mass there.
+    // The point stands where its own fibre lies in this texel, whose mass is taken off there: a place beside it would have
+    // the fibre's own mass close by, on either side.
     let own = shadow_own(place);
-    let before = select(depth, min(depth, own.depth), own.optical_depth > 0.0);
-    let own_mass = select(0.0, min(own.optical_depth, MOMENT_OPAQUE), own.depth <= depth);
+    let before = select(depth, own.depth, own.optical_depth > 0.0);
+    let own_mass = min(own.optical_depth, MOMENT_OPAQUE);
     let x = 2.0 * before / frame.shadow_views[map].values.x - 1.0;
     if total == 0.0 || !(x > -1.0) { return ShadowTexel(vec3f(1.0), 0.0); }
     if (carries & MOMENT_OVERFLOWED) != 0u {

@@ -81,10 +81,11 @@ fn moment_mass(f: MomentFactors, y: f32) -> f32 {
     return 1.0 / (1.0 + p.x * p.x * f.d1 + p.y * p.y * f.d2 + p.z * p.z * f.d3);
 }
 
-// The mass at the point x - 1 / s where that lies before x.
-fn moment_mass_before(f: MomentFactors, x: f32, s: f32) -> f32 {
-    if !(s > MOMENT_NEAREST_INVERSE) { return 0.0; }
-    return moment_mass(f, x - 1.0 / s);
+// The mass at the point x - 1 / s: what lies before x, then all of it.
+fn moment_mass_at(f: MomentFactors, x: f32, s: f32) -> vec2f {
+    if !(abs(s) > MOMENT_NEAREST_INVERSE) { return vec2f(0.0); }
+    let mass = moment_mass(f, x - 1.0 / s);
+    return vec2f(select(0.0, mass, s > 0.0), mass);
 }
 
 // The part of the whole mass that lies before x, from b_1 … b_m over b_0. `own` is a mass at x that does not count.
@@ -103,25 +104,29 @@ fn moment_before(b: array<f32, 6>, x: f32, own: f32, six: bool) -> f32 {
     // at infinity becomes s = 0.
     let a = -f1 / f0;
     let c = f2 / f0;
-    var sum = MOMENT_PART * max(1.0 / f0 - own, 0.0);
+    let here = 1.0 / f0;
+    var sums = vec2f(0.0);
     if !six {
         let root = sqrt(max(0.25 * a * a - c, 0.0));
-        sum += moment_mass_before(f, x, root - 0.5 * a) + moment_mass_before(f, x, -root - 0.5 * a);
-        return sum;
+        sums = moment_mass_at(f, x, root - 0.5 * a) + moment_mass_at(f, x, -root - 0.5 * a);
+    } else {
+        let e = -f3 / f0;
+        // All three are real: Viète's cosines.
+        let third = a / 3.0;
+        let q = max(third * third - c / 3.0, 0.0);
+        let r = third * (third * third - 0.5 * c) + 0.5 * e;
+        let root = sqrt(q);
+        let angle = acos(clamp(r / max(q * root, 1e-30), -1.0, 1.0)) / 3.0;
+        for (var i = 0u; i < 3u; i++) {
+            var s = -2.0 * root * cos(angle + 2.0943951 * f32(i)) - third;
+            // The cosines' rounding, which is of the largest zero's size.
+            let slope = (3.0 * s + 2.0 * a) * s + c;
+            if abs(slope) > 1e-6 * q { s -= (((s + a) * s + c) * s + e) / slope; }
+            sums += moment_mass_at(f, x, s);
+        }
     }
-    let e = -f3 / f0;
-    // All three are real: Viète's cosines.
-    let third = a / 3.0;
-    let q = max(third * third - c / 3.0, 0.0);
-    let r = third * (third * third - 0.5 * c) + 0.5 * e;
-    let root = sqrt(q);
-    let angle = acos(clamp(r / max(q * root, 1e-30), -1.0, 1.0)) / 3.0;
-    for (var i = 0u; i < 3u; i++) {
-        var s = -2.0 * root * cos(angle + 2.0943951 * f32(i)) - third;
-        // The cosines' rounding, which is of the largest zero's size.
-        let slope = (3.0 * s + 2.0 * a) * s + c;
-        if abs(slope) > 1e-6 * q { s -= (((s + a) * s + c) * s + e) / slope; }
-        sum += moment_mass_before(f, x, s);
-    }
-    return sum;
+    // With the mass at x the others' are 1. Each is off by rounding of its zero where two lie close together, and so by more
+    // than their sum may be.
+    let others = sums.x * (1.0 - here) / max(sums.y, 1e-30);
+    return others + MOMENT_PART * max(here - own, 0.0);
 }
