@@ -4,18 +4,19 @@
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Target};
+use crate::frame::{Frame, ShadowImage, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, workgroups};
 use crate::layout::{
-    self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE,
+    self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_OCCLUDERS, MAX_SHADOW_VIEWS,
+    UNIFORM_STRIDE,
 };
 use crate::light::{LightCamera, LightKind, light_cameras};
+use crate::occluder;
 use crate::raster::Rasteriser;
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
-use crate::shadow::deep_opacity_map::front_shift;
-use crate::shadow::{DeepOpacityMap, Shadow};
+use crate::shadow::{Fibres, Shadow, Shape, Sight};
 use crate::transparency::a_buffer::FRAGMENT_BYTES;
 use crate::transparency::nearest::Sought;
 use crate::transparency::sorted_blending::Sorting;
@@ -36,9 +37,8 @@ pub(crate) struct PlannedRun {
 /// One map of one light.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlannedMap {
-    /// Blocks of 1 << front_shift texels a side share one front.
-    pub front_shift: u32,
-    pub settings: DeepOpacityMap,
+    pub technique: Shadow,
+    pub shape: Shape,
     pub rasteriser: Rasteriser,
     /// Uniform offsets, one a run.
     pub drawings: Vec<u32>,
@@ -85,6 +85,10 @@ pub(crate) struct Plan {
     pub shadings: Vec<Shading>,
     /// Every hair's uniform block.
     materials: Vec<u32>,
+    /// The technique of all lights that have maps; none where no light has any.
+    pub shadow: Shadow,
+    /// Whether only the images of the hair's shadow are written.
+    pub shadows_only: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
     /// What is asked of each pixel's nearest fragment where the technique does not know it.
@@ -212,10 +216,25 @@ impl Plan {
             .iter()
             .enumerate()
             .try_for_each(|(number, hair)| hair.validate(number))?;
+        occluder::validate(target.occluders, frame.lights.len())?;
+        let lights = frame.lights.len();
+        let unlit = |shadow: &ShadowImage| shadow.light >= lights;
+        if let Some(number) = target.shadow_images.iter().position(unlit) {
+            return invalid!(
+                "shadow image {number}: light {} of a frame of {lights} lights",
+                target.shadow_images[number].light
+            );
+        }
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
         transparency.fits(gpu)?;
-        let shader = one_shader(frame)?;
+        let mut shader = one_shader(frame)?;
+        shader.occluded = !target.occluders.is_empty();
+        if shader.occluded && shader.rate == ShadingRate::Fragment {
+            return Err(Error::Conflict(
+                "occluders shadow hair that is shaded at points; hair 0 has the shading rate Fragment".into(),
+            ));
+        }
         if shader.rate == ShadingRate::Fragment && !transparency.shades_fragments() {
             return Err(Error::Conflict(format!(
                 "the shading rate {:?} and the transparency {}, which takes {:?} alone",
@@ -292,6 +311,8 @@ impl Plan {
             transmissions: transmissions(frame, &placed, origin, eye_relative),
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
+            shadow: Shadow::None,
+            shadows_only: target.shadows_only,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
             sought,
@@ -329,8 +350,13 @@ impl Plan {
                 seed: transparency.seed(),
                 place_of_depth: place_of_depth(&clip_from_relative, &placed, frame.view.reverse_z),
                 technique: transparency.values(),
+                occluder_count: target.occluders.len() as u32,
+                padding_0: 0,
+                padding_1: 0,
+                padding_2: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
+                occluders: occluders(target, origin),
             },
             runs,
         };
@@ -405,7 +431,8 @@ impl Plan {
     /// The shader of one hair by itself.
     pub fn shader_of(&self, hair: usize) -> Shader {
         Shader {
-            shadowed: self.shader.shadowed,
+            shadow: self.shader.shadow,
+            occluded: self.shader.occluded,
             transmits: self.shader.transmits,
             ..Shader::of(&self.shadings[hair], self.shader.rate)
         }
@@ -489,70 +516,67 @@ impl Plan {
         let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
         let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
         for (number, light) in frame.lights.iter().enumerate() {
-            let (place, power) = match light.kind {
-                LightKind::Directional {
-                    direction,
-                    irradiance,
-                } => ((-direction.normalize()).extend(0.0), irradiance),
-                LightKind::Point {
-                    position,
-                    intensity,
-                } => ((position - origin).extend(1.0), intensity),
-            };
+            let emitter = light.kind.emitter(origin);
             let uniform = &mut self.frame_uniform.lights[number];
-            uniform.place = vector(place);
-            uniform.power = power.into();
-            let Shadow::DeepOpacityMap(settings) = choose_shadow(frame, number)? else {
-                continue;
-            };
+            uniform.place = vector(emitter.place);
+            uniform.power = emitter.power.into();
+            uniform.axis = emitter.axis.as_vec3().into();
+            uniform.cos_outer = emitter.cosines[0] as f32;
+            uniform.edge = 1.0 / (emitter.cosines[1] - emitter.cosines[0]).max(1e-6) as f32;
+            let technique = choose_shadow(frame, number)?;
             if corners.is_empty() || self.runs.is_empty() {
                 continue;
             }
-            let cameras = light_cameras(place, &corners, radius);
-            let extent = cameras.extent * f64::from(settings.depth);
+            let cameras = light_cameras(&emitter, &corners, radius);
+            let fibres = fibres(frame, placed, technique.needs_density());
+            let sight = Sight::new(&cameras, radius, fibres);
+            let Some(shape) = technique.shape(&sight) else {
+                continue;
+            };
+            if self.shadow != Shadow::None && self.shadow.stem() != technique.stem() {
+                return Err(Error::Conflict(format!(
+                    "light {number} has the shadow {} and one before it {}; a frame takes one technique",
+                    technique.stem(),
+                    self.shadow.stem()
+                )));
+            }
+            self.shadow = technique;
+            self.shader.shadow = technique.look_up();
             let first = self.maps.len();
             if first + cameras.views.len() > MAX_SHADOW_VIEWS {
                 return Err(Error::Unsupported(format!(
                     "light {number}: a frame takes at most {MAX_SHADOW_VIEWS} shadow maps"
                 )));
             }
-            let texel = cameras.width / f64::from(settings.resolution);
             *uniform = layout::Light {
                 map_count: cameras.views.len() as u32,
                 map_first: first as u32,
-                resolution: settings.resolution,
-                pcf: settings.pcf,
-                layer_count: settings.layers,
-                layer_extent: extent as f32,
-                bias: (2.0 * radius + 0.25 * f64::from(settings.pcf + 1) * texel) as f32,
+                resolution: shape.resolution,
+                pcf: shape.pcf,
+                layer_count: shape.layers,
+                bias: shape.bias as f32,
                 ..*uniform
             };
-            self.shader.shadowed = true;
+            let half_width = sight.half_width(shape.resolution);
             for camera in cameras.views {
-                let half_width = radius * f64::from(settings.resolution) / cameras.nearest_width;
-                self.add_map(frame, placed, settings, &camera, extent, half_width, gpu)?;
+                self.add_map(frame, placed, (technique, shape), &camera, half_width, gpu)?;
             }
         }
         Ok(())
     }
 
-    #[allow(clippy::too_many_arguments)]
     fn add_map(
         &mut self,
         frame: &Frame,
         placed: &[Placed],
-        settings: DeepOpacityMap,
+        (technique, shape): (Shadow, Shape),
         camera: &LightCamera,
-        extent: f64,
         half_width: f64,
         gpu: &Gpu,
     ) -> Result<()> {
-        let texels = u64::from(settings.resolution).pow(2);
-        let front_shift = front_shift(half_width);
-        let fronts = u64::from(settings.resolution.div_ceil(1 << front_shift)).pow(2);
         let front_base = self.map_words;
-        let layer_base = front_base + fronts;
-        self.map_words = layer_base + texels * u64::from(settings.layers);
+        let layer_base = front_base + shape.fronts();
+        self.map_words = layer_base + u64::from(shape.resolution).pow(2) * u64::from(shape.layers);
         if self.map_words * 4 > gpu.max_binding() {
             return Err(Error::Unsupported(format!(
                 "the shadow maps of this frame take {} bytes; this device binds {}",
@@ -565,12 +589,14 @@ impl Plan {
             depth_row: vector(camera.depth_row),
             front_base: front_base as u32,
             layer_base: layer_base as u32,
-            front_shift,
+            front_shift: shape.front_shift.unwrap_or(0),
             padding_0: 0,
+            values: shape.values,
+            colour: shape.colour,
         };
         let seen = Seen {
             half_width_px: half_width,
-            length_px: f64::from(settings.resolution),
+            length_px: f64::from(shape.resolution),
             fragments: 0.0,
             depth: 0.0,
             bounds: [0.0; 4],
@@ -582,22 +608,22 @@ impl Plan {
                 clip_from_relative: matrix(camera.clip_from_relative),
                 eye: vector(camera.eye),
                 depth_row: vector(camera.depth_row),
-                viewport: [settings.resolution as f32; 2],
+                viewport: [shape.resolution as f32; 2],
                 splits: seen.splits(),
                 front_base: front_base as u32,
                 layer_base: layer_base as u32,
-                front_shift,
-                layer_count: settings.layers,
-                layer_extent: extent as f32,
-                row_end: settings.resolution,
+                layer_count: shape.layers,
+                front_shift: shape.front_shift.unwrap_or(0),
+                row_end: shape.resolution,
+                map_values: shape.values,
+                map_colour: shape.colour,
                 ..bytemuck::Zeroable::zeroed()
             },
         );
-        let rasteriser = settings.raster.choose(half_width);
         self.maps.push(PlannedMap {
-            settings,
-            front_shift,
-            rasteriser,
+            technique,
+            shape,
+            rasteriser: shape.raster.choose(half_width),
             drawings,
             splits: seen.splits(),
         });
@@ -690,27 +716,19 @@ fn transmissions(frame: &Frame, placed: &[Placed], origin: DVec3, eye: DVec4) ->
         let hair = placed.hair;
         let colour = frame.hairs[hair].geometry.brightest;
         frame.lights.iter().map(move |light| {
-            let (place, irradiance) = match light.kind {
-                LightKind::Directional {
-                    direction,
-                    irradiance,
-                } => (-direction.extend(0.0), irradiance.max_element()),
-                LightKind::Point {
-                    position,
-                    intensity,
-                } => {
-                    let near = ((position - origin).distance(centre) - radius).max(1e-30);
-                    let place = (position - origin).extend(1.0);
-                    (
-                        place,
-                        (f64::from(intensity.max_element()) / (near * near)) as f32,
-                    )
-                }
+            // Of a spot as if it shone in all directions.
+            let emitter = light.kind.emitter(origin);
+            let brightest = emitter.power.max_element();
+            let irradiance = if emitter.place.w == 0.0 {
+                brightest
+            } else {
+                let near = (emitter.place.truncate().distance(centre) - radius).max(1e-30);
+                (f64::from(brightest) / (near * near)) as f32
             };
             Transmission {
                 placed: number,
                 hair,
-                angle: greatest_angle(centre, radius, place, eye),
+                angle: greatest_angle(centre, radius, emitter.place, eye),
                 power: irradiance * colour,
             }
         })
@@ -795,6 +813,15 @@ fn choose_shadow(frame: &Frame, light: usize) -> Result<Shadow> {
     )
 }
 
+/// The host's shadow maps, with positions relative to an origin.
+fn occluders(target: &Target, origin: DVec3) -> [layout::Occluder; MAX_OCCLUDERS] {
+    let mut uniforms = [bytemuck::Zeroable::zeroed(); MAX_OCCLUDERS];
+    for (uniform, occluder) in uniforms.iter_mut().zip(target.occluders) {
+        *uniform = occluder.uniform(origin);
+    }
+    uniforms
+}
+
 /// The only wish, the default where nobody wishes, or an error.
 fn agree<T: Copy + PartialEq + Default>(
     what: &str,
@@ -849,6 +876,49 @@ fn one_shader(frame: &Frame) -> Result<Shader> {
         }
     }
     Ok(shader)
+}
+
+/// The first map of a light: its camera, the origin of relative space, the hair's depth range, and what it is made of.
+pub(crate) fn first_map(frame: &Frame, number: usize) -> Option<(LightCamera, DVec3, f64, Shape)> {
+    let origin = frame.view.origin();
+    let hairs = frame.hairs.iter().enumerate();
+    let placed: Vec<Placed> = hairs
+        .flat_map(|(number, hair)| place_all(number, hair, origin))
+        .collect();
+    let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
+    let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
+    let emitter = frame.lights[number].kind.emitter(origin);
+    let mut cameras = light_cameras(&emitter, &corners, radius);
+    let technique = choose_shadow(frame, number).ok()?;
+    let fibres = fibres(frame, &placed, technique.needs_density());
+    let shape = technique.shape(&Sight::new(&cameras, radius, fibres))?;
+    Some((cameras.views.swap_remove(0), origin, cameras.extent, shape))
+}
+
+/// The fibres of all hairs; how densely they fill space only where that is asked for.
+fn fibres(frame: &Frame, placed: &[Placed], with_density: bool) -> Fibres {
+    let mut fibres = Fibres::default();
+    let (mut lengths, mut areas, mut volumes) = (0.0, 0.0, 0.0);
+    for placed in placed {
+        let hair = frame.hairs[placed.hair];
+        let opacity = f64::from(hair.opacity);
+        let length = hair.geometry.length * placed.scale;
+        let mut diameter = 2.0 * placed.radius;
+        if with_density {
+            let density = hair.geometry.density();
+            diameter = density.diameter * placed.scale;
+            volumes += density.volume * placed.scale.powi(3);
+        }
+        lengths += length;
+        areas += length * diameter;
+        fibres.opacity += opacity * length * diameter;
+    }
+    let over = |sum: f64, by: f64| if by > 0.0 { sum / by } else { 0.0 };
+    Fibres {
+        opacity: over(fibres.opacity, areas),
+        diameter: over(areas, lengths),
+        area_density: over(areas, volumes),
+    }
 }
 
 /// How large the hair is on the screen.
@@ -1052,6 +1122,11 @@ fn tail_scale(frame: &Frame, placed: &[Placed], origin: DVec3) -> f32 {
             LightKind::Point {
                 position,
                 intensity,
+            }
+            | LightKind::Spot {
+                position,
+                intensity,
+                ..
             } => {
                 let nearest = placed
                     .iter()
