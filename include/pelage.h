@@ -120,6 +120,15 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Bytes of a name in `PelageAdapter`, its NUL included.
 #define PELAGE_NAME_SIZE 256
 
+// The library chooses.
+#define PELAGE_RASTER_AUTO 0
+
+// Camera-facing triangle strips.
+#define PELAGE_RASTER_RIBBONS 1
+
+// A compute pass that walks the pixels of each segment.
+#define PELAGE_RASTER_WALK 2
+
 // Kajiya and Kay 1989.
 #define PELAGE_SHADING_KAJIYA_KAY 0
 
@@ -235,15 +244,6 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Colours weighted by a transmittance that moments of optical depth give (Muenstermann et al. 2018, Sharpe 2018).
 #define PELAGE_TRANSPARENCY_MOMENT 9
-
-// The library chooses.
-#define PELAGE_RASTER_AUTO 0
-
-// Camera-facing triangle strips.
-#define PELAGE_RASTER_RIBBONS 1
-
-// A compute pass that walks the pixels of each segment.
-#define PELAGE_RASTER_WALK 2
 
 // Fragments counted first, then stored side by side.
 #define PELAGE_STORAGE_COUNTED 0

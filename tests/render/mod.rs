@@ -3,8 +3,8 @@
 #[allow(dead_code)]
 #[path = "../../examples/render/scene.rs"]
 mod scene;
-#[allow(dead_code)]
-#[path = "../../examples/render/techniques.rs"]
+#[allow(dead_code, unused_imports)]
+#[path = "../../examples/render/techniques/mod.rs"]
 mod techniques;
 
 use std::path::{Path, PathBuf};

@@ -7,7 +7,8 @@ use pelage::{Frame, Hair, Raster, testing};
 use pelage_reference::error::colour_error;
 use pelage_reference::fragments::fragment_lists;
 use pelage_reference::opacity_models::{
-    chebyshev, fourier, fourier_optical_depth, layers, layers_optical_depth, moments, moments_optical_depth,
+    chebyshev, fourier, fourier_optical_depth, layers, layers_optical_depth, moments,
+    moments_optical_depth,
 };
 use pelage_reference::scene::{Camera, look_at};
 use pelage_reference::shadow_maps::Occluder;
@@ -151,7 +152,13 @@ fn fixed_point(texel: &Texel, m: usize) -> Vec<f64> {
         texel.iter().map(of).sum()
     };
     let total = steps(0);
-    let sum = |k: usize| if k == 0 { total } else { 2.0 * steps(k) - total };
+    let sum = |k: usize| {
+        if k == 0 {
+            total
+        } else {
+            2.0 * steps(k) - total
+        }
+    };
     (0..=m).map(|k| sum(k) / SCALE).collect()
 }
 
