@@ -1,6 +1,9 @@
 //! The plan of a frame: everything that the CPU decides before a pass is recorded. Matrices are composed in double
 //! precision here; the GPU sees positions relative to the view's eye.
 
+mod choices;
+mod seen;
+
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::error::{Error, Result, invalid};
@@ -22,6 +25,8 @@ use crate::transparency::nearest::Sought;
 use crate::transparency::sorted_blending::Sorting;
 use crate::transparency::{Needs, Transparency};
 use crate::view::View;
+use choices::{choose_shadow, choose_transparency, one_shader};
+use seen::{Seen, key_packing, key_range, place_of_depth, view_size};
 
 /// A run of a hair, and where its points lie among the frame's pooled points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -789,30 +794,6 @@ fn plan_runs(
     Ok((runs, base))
 }
 
-/// The frame's technique, or what its hairs agree on.
-fn choose_transparency(frame: &Frame) -> Result<Transparency> {
-    if let Some(transparency) = frame.transparency {
-        return Ok(transparency);
-    }
-    agree(
-        "transparency",
-        frame.hairs.iter().map(|hair| hair.transparency),
-        Transparency::stem,
-    )
-}
-
-/// The light's technique, or what the hairs agree on.
-fn choose_shadow(frame: &Frame, light: usize) -> Result<Shadow> {
-    if let Some(shadow) = frame.lights[light].shadow {
-        return Ok(shadow);
-    }
-    agree(
-        "shadow",
-        frame.hairs.iter().map(|hair| hair.shadow),
-        Shadow::stem,
-    )
-}
-
 /// The host's shadow maps, with positions relative to an origin.
 fn occluders(target: &Target, origin: DVec3) -> [layout::Occluder; MAX_OCCLUDERS] {
     let mut uniforms = [bytemuck::Zeroable::zeroed(); MAX_OCCLUDERS];
@@ -820,62 +801,6 @@ fn occluders(target: &Target, origin: DVec3) -> [layout::Occluder; MAX_OCCLUDERS
         *uniform = occluder.uniform(origin);
     }
     uniforms
-}
-
-/// The only wish, the default where nobody wishes, or an error.
-fn agree<T: Copy + PartialEq + Default>(
-    what: &str,
-    wishes: impl Iterator<Item = Option<T>>,
-    stem: fn(&T) -> &'static str,
-) -> Result<T> {
-    let mut agreed: Option<(usize, T)> = None;
-    for (number, wish) in wishes.enumerate() {
-        match (agreed, wish) {
-            (Some((first, a)), Some(b)) if a != b => {
-                return Err(Error::Conflict(format!(
-                    "hair {first} wishes for the {what} {} and hair {number} for {}, or with other settings; name one on \
-                     the frame",
-                    stem(&a),
-                    stem(&b)
-                )));
-            }
-            (None, Some(b)) => agreed = Some((number, b)),
-            _ => {}
-        }
-    }
-    Ok(agreed.map(|(_, wish)| wish).unwrap_or_default())
-}
-
-/// All hairs' model and rate; one of each a frame for now, parameters may differ.
-fn one_shader(frame: &Frame) -> Result<Shader> {
-    let Some(first) = frame.hairs.first() else {
-        return Ok(Shader::of(&Shading::default(), ShadingRate::default()));
-    };
-    for (number, hair) in frame.hairs.iter().enumerate() {
-        if hair.shading.stem() != first.shading.stem() {
-            return Err(Error::Conflict(format!(
-                "hair 0 has the shading {} and hair {number} {}",
-                first.shading.stem(),
-                hair.shading.stem()
-            )));
-        }
-        if hair.shading_rate != first.shading_rate {
-            return Err(Error::Conflict(format!(
-                "hair 0 has the shading rate {:?} and hair {number} {:?}",
-                first.shading_rate, hair.shading_rate
-            )));
-        }
-    }
-    let mut shader = Shader::of(&first.shading, first.shading_rate);
-    for hair in frame.hairs {
-        let own = Shader::of(&hair.shading, hair.shading_rate);
-        shader.one_material &= hair.shading == first.shading;
-        shader.varies |= own.varies;
-        if own.settings != shader.settings {
-            shader.settings = None;
-        }
-    }
-    Ok(shader)
 }
 
 /// The first map of a light: its camera, the origin of relative space, the hair's depth range, and what it is made of.
@@ -919,198 +844,6 @@ fn fibres(frame: &Frame, placed: &[Placed], with_density: bool) -> Fibres {
         diameter: over(areas, lengths),
         area_density: over(areas, volumes),
     }
-}
-
-/// How large the hair is on the screen.
-struct Seen {
-    half_width_px: f64,
-    length_px: f64,
-    fragments: f64,
-    /// Optical depth of all fragments together.
-    depth: f64,
-    /// Left, top, right and bottom of the hair in pixels, within the image.
-    bounds: [f64; 4],
-}
-
-impl Seen {
-    /// Optical depth of a covered pixel on average. A little less than half of the hair's bounds is covered: 22 % to 60 % over
-    /// the built-in grooms and five others.
-    fn mean_depth(&self) -> f64 {
-        const COVERED: f64 = 0.45;
-        let [left, top, right, bottom] = self.bounds;
-        let area = (right - left).max(1.0) * (bottom - top).max(1.0);
-        self.depth / (COVERED * area)
-    }
-
-    /// Invocations that share one segment, so that none walks too many pixels.
-    fn splits(&self) -> u32 {
-        let pixels = self.length_px * (2.0 * self.half_width_px + 3.0);
-        ((pixels / PIXELS_AN_INVOCATION).ceil() as u32).clamp(1, 64)
-    }
-}
-
-/// Bounds of fibre width and segment length on the screen, and an estimate of the fragments.
-fn view_size(
-    clip_from_relative: &DMat4,
-    placed: &[Placed],
-    frame: &Frame,
-    width: u32,
-    height: u32,
-) -> Seen {
-    let screen = f64::from(width.max(height));
-    let mut seen = Seen {
-        half_width_px: 0.0,
-        length_px: 0.0,
-        fragments: 0.0,
-        depth: 0.0,
-        bounds: [f64::INFINITY, f64::INFINITY, 0.0, 0.0],
-    };
-    let size = [f64::from(width), f64::from(height)];
-    for placed in placed {
-        let hair = frame.hairs[placed.hair];
-        if hair.geometry.segment_count == 0 {
-            continue;
-        }
-        // Pixels a unit of length: the rows' lengths are the focal lengths, w the distance.
-        let focal = (0..2)
-            .map(|axis| {
-                clip_from_relative.row(axis).truncate().length()
-                    * 0.5
-                    * f64::from([width, height][axis])
-            })
-            .fold(0.0f64, f64::max);
-        let distance = |p: &DVec3| clip_from_relative.row(3).dot(p.extend(1.0));
-        let nearest = placed
-            .corners
-            .iter()
-            .map(distance)
-            .fold(f64::INFINITY, f64::min);
-        let middle = placed.corners.iter().map(distance).sum::<f64>() / 8.0;
-        let diagonal = placed.corners[0].distance(placed.corners[7]);
-        let parallel = clip_from_relative.row(3).truncate().length() < 1e-12;
-        let px = |distance: f64| {
-            if parallel {
-                focal / distance
-            } else {
-                focal / distance.max(diagonal * 1e-3).max(f64::MIN_POSITIVE)
-            }
-        };
-        let longest = (diagonal * px(nearest)).min(2.0 * screen);
-        seen.half_width_px = seen
-            .half_width_px
-            .max((placed.radius * px(nearest)).min(screen));
-        seen.length_px = seen.length_px.max(longest);
-        // A fibre of width w touches w + 4/π pixels a pixel of length on average; what leaves the screen is not counted.
-        let middle_px = px(middle.max(nearest));
-        let inside = (screen * screen / (diagonal * middle_px).powi(2)).min(1.0);
-        let length = hair.geometry.length * placed.scale * middle_px;
-        let touched = 2.0 * placed.radius * middle_px + 1.28;
-        let fragments = length * touched * inside.max(0.05);
-        let opacity = f64::from(hair.opacity) * (1.0 - 1.28 / touched);
-        seen.fragments += fragments;
-        seen.depth += fragments * -(1.0 - opacity).max(1e-7).ln();
-        for corner in placed.corners {
-            let clip = *clip_from_relative * corner.extend(1.0);
-            // What reaches behind the eye may be anywhere.
-            let at = |axis: usize, sign: f64| {
-                let middle = 0.5 + 0.5 * sign * clip[axis] / clip.w;
-                middle.clamp(0.0, 1.0) * size[axis]
-            };
-            let places = if clip.w > 0.0 {
-                [[at(0, 1.0), at(1, -1.0)]; 2]
-            } else {
-                [[0.0; 2], size]
-            };
-            for place in places {
-                for (axis, at) in place.into_iter().enumerate() {
-                    seen.bounds[axis] = seen.bounds[axis].min(at);
-                    seen.bounds[axis + 2] = seen.bounds[axis + 2].max(at);
-                }
-            }
-        }
-    }
-    seen
-}
-
-/// The coefficients that take a stored depth to its place between the hair's nearest and farthest distance along the view's
-/// axis, 0 to 1: (x depth + y) / (z depth + w).
-fn place_of_depth(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> [f32; 4] {
-    let [depth_row, w_row] = [clip_from_relative.row(2), clip_from_relative.row(3)];
-    let corners = || {
-        let points = placed.iter().flat_map(|placed| placed.corners);
-        points.map(|p| (depth_row.dot(p.extend(1.0)), w_row.dot(p.extend(1.0))))
-    };
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-            [low.min(value), high.max(value)]
-        })
-    };
-    let axis = w_row.truncate();
-    // Depth × w = a w + b, as of every projection whose near plane is perpendicular to the axis.
-    let a = depth_row.truncate().dot(axis) / axis.length_squared();
-    let b = depth_row.w - a * w_row.w;
-    let perspective = axis.length() > 1e-12 && b != 0.0;
-    let [p, q, r, s] = if perspective {
-        let [mut near, far] = range(&mut corners().map(|(_, w)| w));
-        // What lies before the near plane, whose depth is 0 or 1, is not seen.
-        let planes = [b / -a, b / (1.0 - a)].into_iter();
-        near = near.max(planes.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min));
-        [-near, b + near * a, far - near, (near - far) * a]
-    } else {
-        let [low, high] = range(&mut corners().map(|(depth, _)| depth));
-        let [near, far] = if reverse_z { [high, low] } else { [low, high] };
-        [1.0, -near, 0.0, far - near]
-    };
-    let found = [p, q, r, s].map(|value| value as f32);
-    let extended = found.iter().all(|value| value.is_finite()) && (r != 0.0 || s != 0.0);
-    if extended {
-        found
-    } else {
-        [0.0, 0.0, 0.0, 1.0]
-    }
-}
-
-/// Bounds of the depth keys (see `depth_key` in WGSL) of all hair in a view.
-fn key_range(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> [u32; 2] {
-    /// Keys by which single precision may miss a corner.
-    const MARGIN: u32 = 64;
-    let farthest = 1.0f32.to_bits();
-    let key = |p: &DVec3| {
-        let clip = |row| clip_from_relative.row(row).dot(p.extend(1.0));
-        let depth = (clip(2) / clip(3)).clamp(0.0, 1.0) as f32;
-        // A corner behind the eye: anything may be before it.
-        (clip(3) > 0.0).then(|| match reverse_z {
-            true => farthest - depth.to_bits(),
-            false => depth.to_bits(),
-        })
-    };
-    let keys: Option<Vec<u32>> = placed
-        .iter()
-        .flat_map(|hair| &hair.corners)
-        .map(key)
-        .collect();
-    let Some((first, last)) =
-        keys.and_then(|keys| keys.iter().copied().min().zip(keys.into_iter().max()))
-    else {
-        return [0, farthest];
-    };
-    [
-        first.saturating_sub(MARGIN),
-        last.saturating_add(MARGIN).min(farthest),
-    ]
-}
-
-/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value.
-fn key_packing([first, last]: [u32; 2], point_count: u64) -> u32 {
-    /// Opacity and place along the segment, `K_PLUS_VALUE_BITS` in WGSL; and the least bits of a point.
-    const VALUE_BITS: u32 = 19;
-    const LEAST_POINT_BITS: u32 = 13;
-    let bits = |value: u64| u64::BITS - value.leading_zeros();
-    let point_bits = bits(point_count).max(LEAST_POINT_BITS);
-    let key_bits = 64 - VALUE_BITS - point_bits;
-    // The greatest key is left out: all ones is an empty word.
-    let shift = bits(u64::from(last - first) + 2).saturating_sub(key_bits);
-    shift | point_bits << 8
 }
 
 /// Steps a unit of radiance of the tail's fixed-point colours: 2¹⁶ for the brightest that the lights should make.
