@@ -31,12 +31,13 @@ pub(crate) enum Group {
     MapsRead,
     PixelsWritten,
     PixelsRead,
+    Occluders,
     /// What sorted blending sorts, and the image that it blends into.
     Sorting,
     BlendedRead,
 }
 
-const GROUPS: [Group; 18] = [
+const GROUPS: [Group; 19] = [
     Group::Frame,
     Group::HostTiles,
     Group::Project,
@@ -53,6 +54,7 @@ const GROUPS: [Group; 18] = [
     Group::MapsRead,
     Group::PixelsWritten,
     Group::PixelsRead,
+    Group::Occluders,
     Group::Sorting,
     Group::BlendedRead,
 ];
@@ -76,7 +78,11 @@ impl Group {
             | Self::Gather
             | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
-            Self::PixelsWritten | Self::PixelsRead | Self::Sorting | Self::BlendedRead => 3,
+            Self::PixelsWritten
+            | Self::PixelsRead
+            | Self::Occluders
+            | Self::Sorting
+            | Self::BlendedRead => 3,
         }
     }
 
@@ -103,19 +109,24 @@ impl Group {
             },
             count: None,
         };
+        let depth = |binding, visibility| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility,
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Depth,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            count: None,
+        };
         match self {
             Self::Frame => {
-                let depth = wgpu::BindGroupLayoutEntry {
-                    binding: 3,
-                    visibility: raster,
-                    ty: wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Depth,
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                    count: None,
-                };
-                vec![uniform(0, true), uniform(1, true), uniform(2, true), depth]
+                vec![
+                    uniform(0, true),
+                    uniform(1, true),
+                    uniform(2, true),
+                    depth(3, raster),
+                ]
             }
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
             Self::Project => (0..4)
@@ -146,6 +157,9 @@ impl Group {
             Self::MapsRead => vec![storage(0, raster, true)],
             Self::PixelsWritten => (0..PIXEL_BUFFERS)
                 .map(|binding| storage(binding, raster, binding + 1 == PIXEL_BUFFERS))
+                .collect(),
+            Self::Occluders => (0..crate::layout::MAX_OCCLUDERS as u32)
+                .map(|binding| depth(binding, Stages::COMPUTE))
                 .collect(),
             Self::PixelsRead => (0..PIXEL_BUFFERS)
                 .map(|binding| storage(binding, Stages::FRAGMENT, true))

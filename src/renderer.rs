@@ -142,7 +142,7 @@ impl Renderer {
         }
         self.gpu.check_size([width, height])?;
         self.collect();
-        let plan = Plan::new(&self.gpu, frame, viewport, [0; 2])?;
+        let plan = Plan::new(&self.gpu, frame, viewport, None)?;
         let forecast = self.resources.forecast(&self.gpu, &plan)?;
         Ok(forecast.estimate())
     }
@@ -199,8 +199,7 @@ impl Renderer {
                 ));
             }
         }
-        let [left, top, ..] = target.area();
-        let mut plan = Plan::new(&self.gpu, frame, &target.into(), [left, top])?;
+        let mut plan = Plan::new(&self.gpu, frame, &target.into(), Some(target))?;
         self.resources
             .prepare(&self.gpu, frame, &mut plan, target)?;
         frame::record(&mut self.gpu, passes, &self.resources, &plan, target)?;

@@ -5,7 +5,10 @@ use pelage::groom::{BuiltinGroom, builtin};
 use pelage::host::offscreen::WantedOutputs;
 use pelage::raster::Raster;
 use pelage::shading::{Marschner, Shading, ShadingRate};
-use pelage::shadow::{DeepOpacityMap, Shadow};
+use pelage::shadow::{
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap,
+};
 use pelage::transparency::{ABuffer, KBuffer, Storage, Transparency, a_buffer as sizes};
 use pelage::{Error, Frame, Hair, Light, LightKind, Target, Viewport};
 
@@ -171,6 +174,40 @@ fn shadows_tables_outputs_and_fragment_shading_are_foreseen() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn every_shadow_technique_states_its_bytes_before_the_frame() {
+    let Some(mut device) = device() else { return };
+    let hair = wavy(&mut device, 300);
+    let hairs = [&hair];
+    let size = [41, 54];
+    let image = device
+        .create_image(size[0], size[1], FORMAT, false)
+        .unwrap();
+    for shadow in [
+        Shadow::None,
+        Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        Shadow::ShadowMap(ShadowMap::default()),
+        Shadow::ApproximatedDeepShadowMap(ApproximatedDeepShadowMap::default()),
+        Shadow::OpacityShadowMaps(OpacityShadowMaps::default()),
+        Shadow::MomentOpacityMap(MomentOpacityMap::default()),
+        Shadow::KBufferVolume(KBufferVolume::default()),
+    ] {
+        let lights = [Light {
+            shadow: Some(shadow),
+            ..Light::directional(DVec3::NEG_Y, Vec3::ONE)
+        }];
+        let frame = Frame {
+            hairs: &hairs,
+            lights: &lights,
+            ambient: Vec3::ZERO,
+            view: portrait(size),
+            transparency: None,
+        };
+        let target = Target::cleared(&image.colour);
+        assert_foreseen(&mut device, shadow.stem(), &frame, &target);
     }
 }
 

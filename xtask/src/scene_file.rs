@@ -13,5 +13,5 @@ pub mod mesh_pass;
 pub mod meshes;
 #[path = "../../examples/render/scene.rs"]
 pub mod scene;
-#[path = "../../examples/render/techniques.rs"]
+#[path = "../../examples/render/techniques/mod.rs"]
 pub mod techniques;

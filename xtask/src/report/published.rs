@@ -78,14 +78,15 @@ pub fn memory() -> Result<String> {
     let strands = Strands::new(points, &[2], 0.01).map_err(sentence)?;
     let hair = offscreen.renderer.create_hair(&strands).map_err(sentence)?;
     let (eye, aspect) = (DVec3::Z, f64::from(VIEWPORT[0]) / f64::from(VIEWPORT[1]));
-    let view = View::perspective(eye, DVec3::ZERO, DVec3::Y, 0.5, aspect, [0.1, 10.0]);
+    let view = View::perspective(eye, DVec3::ZERO, DVec3::Y, 0.5, aspect, [0.1, 10.0])
+        .map_err(sentence)?;
     let mut text = "| technique | Hunz, MiB | here, MiB |\n|---|---|---|\n".to_owned();
     for (name, published, transparency) in cases {
         let frame = Frame {
             hairs: &[&hair],
             lights: &[],
             ambient: Vec3::ZERO,
-            view: view.clone().map_err(sentence)?,
+            view,
             transparency: Some(transparency),
         };
         // On a renderer of its own: pools are kept.

@@ -200,7 +200,7 @@ pub fn load(scene: &Scene) -> Result<Loaded> {
     let (lights, ambient) = framing::lights(&file, &framing);
     let direction = lights.iter().find_map(|light| match light.kind {
         LightKind::Directional { direction, .. } => Some(direction),
-        LightKind::Point { .. } => None,
+        _ => None,
     });
     let light = direction.ok_or("the scene has no directional light")?;
     let scenery = Scenery {
