@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result, invalid};
-use crate::geometry::Hair;
+use crate::geometry::{Hair, Projection};
 use crate::light::Light;
 use crate::plan::Plan;
 use crate::raster::Rasteriser;
@@ -230,7 +230,10 @@ pub(crate) fn record(
             gpu,
             passes,
             &bound,
-            "pelage.shadow.project",
+            Projection {
+                crosses: map.crosses,
+                view: false,
+            },
             &map.drawings,
             plan,
         )?;
@@ -247,11 +250,15 @@ pub(crate) fn record(
         shadow::record(gpu, passes, &bound, map, plan)?;
     }
     geometry::host_tiles(gpu, passes, &bound, plan)?;
+    composite::receive(gpu, passes, &bound, plan, target)?;
     geometry::project(
         gpu,
         passes,
         &bound,
-        "pelage.geometry.project",
+        Projection {
+            crosses: plan.crosses,
+            view: true,
+        },
         &plan.bands[0].drawings,
         plan,
     )?;
@@ -272,9 +279,6 @@ pub(crate) fn record(
             shading::record(gpu, passes, &bound, plan)?;
         }
         transparency::record(gpu, passes, &bound, band, plan)?;
-        if band.first == 0 {
-            composite::receive(gpu, passes, &bound, plan, target)?;
-        }
         composite::record(gpu, passes, &bound, band, plan, target)?;
         composite::outputs(gpu, passes, &bound, band, plan, target)?;
     }

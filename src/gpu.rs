@@ -16,6 +16,7 @@ use crate::statistics::PassTime;
 pub(crate) enum Group {
     Frame,
     HostTiles,
+    HostTilesRead,
     Project,
     Order,
     Segments,
@@ -35,9 +36,10 @@ pub(crate) enum Group {
     BlendedRead,
 }
 
-const GROUPS: [Group; 18] = [
+const GROUPS: [Group; 19] = [
     Group::Frame,
     Group::HostTiles,
+    Group::HostTilesRead,
     Group::Project,
     Group::Order,
     Group::Segments,
@@ -64,6 +66,7 @@ impl Group {
         match self {
             Self::Frame => 0,
             Self::HostTiles
+            | Self::HostTilesRead
             | Self::Project
             | Self::Order
             | Self::Segments
@@ -117,6 +120,7 @@ impl Group {
                 vec![uniform(0, true), uniform(1, true), uniform(2, true), depth]
             }
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
+            Self::HostTilesRead => vec![storage(0, Stages::VERTEX, true)],
             Self::Project => (0..4)
                 .map(|binding| storage(binding, Stages::COMPUTE, binding != 2))
                 .collect(),
@@ -147,7 +151,7 @@ impl Group {
                 .map(|binding| storage(binding, raster, binding + 1 == PIXEL_BUFFERS))
                 .collect(),
             Self::PixelsRead => (0..PIXEL_BUFFERS)
-                .map(|binding| storage(binding, Stages::FRAGMENT, true))
+                .map(|binding| storage(binding, Stages::FRAGMENT | Stages::VERTEX, true))
                 .collect(),
             Self::Sorting => (0..2)
                 .map(|binding| storage(binding, Stages::COMPUTE, false))

@@ -6,17 +6,17 @@ use glam::{DMat4, DVec3, DVec4, Vec3};
 use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
-use crate::gpu::{Gpu, workgroups};
+use crate::gpu::Gpu;
 use crate::layout::{
     self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE,
 };
 use crate::light::{LightCamera, LightKind, light_cameras};
-use crate::raster::Rasteriser;
+use crate::raster::{Rasteriser, walk_workgroups};
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
 use crate::shadow::deep_opacity_map::front_shift;
 use crate::shadow::{DeepOpacityMap, Shadow};
-use crate::transparency::a_buffer::FRAGMENT_BYTES;
+use crate::transparency::a_buffer::{FRAGMENT_BYTES, KEY_BYTES};
 use crate::transparency::nearest::Sought;
 use crate::transparency::sorted_blending::Sorting;
 use crate::transparency::{Needs, Transparency};
@@ -40,6 +40,8 @@ pub(crate) struct PlannedMap {
     pub front_shift: u32,
     pub settings: DeepOpacityMap,
     pub rasteriser: Rasteriser,
+    /// Whether the map's near plane may cross the hair.
+    pub crosses: bool,
     /// Uniform offsets, one a run.
     pub drawings: Vec<u32>,
     pub splits: u32,
@@ -93,20 +95,23 @@ pub(crate) struct Plan {
     pub sorting: Sorting,
     /// Whether this frame sorts anew.
     pub sort: bool,
+    /// Whether the view's near plane may cross the hair.
+    pub crosses: bool,
     /// Whether the technique cuts off what cannot be seen.
     pub cuts: bool,
     /// Whether an output asks for a record of each point.
     pub tracked: bool,
     /// The pixel of the target that the view begins at.
     pub origin: [u32; 2],
-    /// Parts of the fragment pool that the frame uses, from 1 to 3.
+    /// Parts of the fragment pool that the frame uses, 1 or 2.
     pub parts: u32,
     pub frame_uniform: layout::Frame,
 }
 
-/// Fragments that each of the pool's parts holds: what one binding holds.
+/// Fragments of which each of the pool's two parts holds what is not their key: what one binding holds. One binding holds as many
+/// keys as both.
 pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
-    gpu.max_binding() / FRAGMENT_BYTES
+    gpu.max_binding() / (FRAGMENT_BYTES - KEY_BYTES)
 }
 
 /// Times the optical depth that cuts a pixel off that there must be on average for the search of the cut-off to pay: where it
@@ -260,7 +265,7 @@ impl Plan {
         }
 
         let largest = runs.iter().map(|run| run.run.count).max().unwrap_or(0);
-        let (_, rows) = workgroups(largest);
+        let (_, rows) = walk_workgroups(largest);
         let mut plan = Self {
             width,
             height,
@@ -297,6 +302,12 @@ impl Plan {
             sought,
             sorting: Sorting::default(),
             sort: false,
+            crosses: crosses(
+                &clip_from_relative,
+                frame.view.reverse_z,
+                frame.hairs,
+                &placed,
+            ),
             cuts: match transparency {
                 Transparency::DbkBuffer(settings) => {
                     settings.depth_shift.is_some()
@@ -444,7 +455,7 @@ impl Plan {
         self.frame_uniform.capacity = capacity as u32;
         self.parts = capacity
             .div_ceil(u64::from(self.frame_uniform.part_capacity))
-            .clamp(1, 3) as u32;
+            .clamp(1, 2) as u32;
         let size = std::mem::size_of::<layout::Frame>();
         self.uniforms[..size].copy_from_slice(bytemuck::bytes_of(&self.frame_uniform));
     }
@@ -595,6 +606,7 @@ impl Plan {
         );
         let rasteriser = settings.raster.choose(half_width);
         self.maps.push(PlannedMap {
+            crosses: crosses(&camera.clip_from_relative, false, frame.hairs, placed),
             settings,
             front_shift,
             rasteriser,
@@ -662,6 +674,26 @@ impl Plan {
             });
         }
     }
+}
+
+/// Rounding of a point's distance from the near plane, as part of its clip coordinates, many times over.
+const NEAR_PLANE_ROUNDING: f64 = 1e-4;
+
+/// Whether the near plane may cross the hair's boxes. What the GPU moves may be anywhere.
+fn crosses(
+    clip_from_relative: &DMat4,
+    reverse_z: bool,
+    hairs: &[&Hair],
+    placed: &[Placed],
+) -> bool {
+    let behind = |corner: &DVec3| {
+        let clip = *clip_from_relative * corner.extend(1.0);
+        let distance = if reverse_z { clip.w - clip.z } else { clip.z };
+        distance < NEAR_PLANE_ROUNDING * clip.w.abs().max(clip.z.abs())
+    };
+    placed
+        .iter()
+        .any(|placed| hairs[placed.hair].geometry.gathered || placed.corners.iter().any(behind))
 }
 
 /// One light as one placed hair is lit by it.
@@ -1030,17 +1062,21 @@ fn key_range(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> 
     ]
 }
 
-/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value.
+/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value; and
+/// by how many where the DBK-buffer's bins are placed.
 fn key_packing([first, last]: [u32; 2], point_count: u64) -> u32 {
     /// Opacity and place along the segment, `K_PLUS_VALUE_BITS` in WGSL; and the least bits of a point.
     const VALUE_BITS: u32 = 19;
     const LEAST_POINT_BITS: u32 = 13;
+    /// Of a bin's place, `DBK_FIRST_MAX` in WGSL.
+    const BIN_BITS: u32 = 17;
     let bits = |value: u64| u64::BITS - value.leading_zeros();
     let point_bits = bits(point_count).max(LEAST_POINT_BITS);
     let key_bits = 64 - VALUE_BITS - point_bits;
     // The greatest key is left out: all ones is an empty word.
-    let shift = bits(u64::from(last - first) + 2).saturating_sub(key_bits);
-    shift | point_bits << 8
+    let all_bits = bits(u64::from(last - first) + 2);
+    let shift = all_bits.saturating_sub(key_bits);
+    shift | point_bits << 8 | all_bits.saturating_sub(BIN_BITS) << 16
 }
 
 /// Steps a unit of radiance of the tail's fixed-point colours: 2¹⁶ for the brightest that the lights should make.

@@ -4,6 +4,8 @@
 
 use std::mem::offset_of;
 
+use crate::composite;
+use crate::geometry::Projection;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
@@ -11,7 +13,7 @@ use crate::shading::{
     Scheuermann, Shader, Shading, ShadingRate, Tables, evaluator, gather_module, tables,
     transmission,
 };
-use crate::shadow::{deep_opacity_map, look_up};
+use crate::shadow::deep_opacity_map;
 use crate::transparency::{
     ABuffer, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque,
     RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, WeightedBlended,
@@ -190,7 +192,7 @@ pub fn combinations() -> Vec<Combination> {
                         "{} {} {rasteriser}, shaded by {rate:?}",
                         emission.label, emission.stage
                     ),
-                    emission.module(rasteriser, 3, rate),
+                    emission.module(rasteriser, 2, rate),
                 ));
             }
         }
@@ -262,21 +264,23 @@ pub fn combinations() -> Vec<Combination> {
     for (name, technique) in &techniques {
         modules.push((
             format!("composite {name}"),
-            resolve_module(technique, 3, None).and(&["common/fullscreen", "composite"]),
+            composite::module(technique, 2, None),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
-                resolve_module(technique, 3, None)
+                resolve_module(technique, 2, None)
                     .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
         }
     }
-    modules.push((
-        "project".into(),
-        Module::new(&["common/pixels", "common/project"]),
-    ));
+    for crosses in [false, true] {
+        for view in [false, true] {
+            let module = Projection { crosses, view }.module(&[]);
+            modules.push((format!("project, crosses {crosses}, view {view}"), module));
+        }
+    }
     modules.push(("order".into(), Module::new(&["common/order"])));
     modules.push((
         "host_tiles".into(),
@@ -285,6 +289,7 @@ pub fn combinations() -> Vec<Combination> {
     modules.push(("dbk_buffer depths".into(), dbk_buffer::depths_module()));
     modules.push(("dbk_buffer drop".into(), dbk_buffer::drop_module()));
     modules.push(("dbk_buffer pixels".into(), dbk_buffer::pixels_module()));
+    modules.push(("dbk_buffer cut".into(), dbk_buffer::cut_module()));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
@@ -306,8 +311,7 @@ pub fn combinations() -> Vec<Combination> {
                 if !technique.shades_fragments() || !(usual || *technique_name == "counted") {
                     continue;
                 }
-                let module = resolve_module(technique, 3, Some(&shader))
-                    .and(&["common/fullscreen", "composite"]);
+                let module = composite::module(technique, 2, Some(&shader));
                 modules.push((format!("composite {technique_name}, {name}"), module));
             }
         }
@@ -353,10 +357,7 @@ pub fn combinations() -> Vec<Combination> {
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
     ));
-    modules.push((
-        "receive".into(),
-        Module::new(look_up(true)).and(&["common/fullscreen", "receive"]),
-    ));
+    modules.push(("receive".into(), composite::receive_module()));
     modules
         .into_iter()
         .map(|(name, module)| Combination {
@@ -460,6 +461,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("FIBRE_POINT_VECTORS", layout::FIBRE_POINT_VECTORS as u32),
         ("FIBRE_RUN_VECTORS", layout::FIBRE_RUN_VECTORS as u32),
         ("ORDER_KEYS", layout::ORDER_KEYS as u32),
+        ("WALK_PARTS", layout::WALK_PARTS),
     ]
 }
 

@@ -4,6 +4,7 @@ mod ribbons;
 mod walk;
 
 pub(crate) use ribbons::ATTACHMENT;
+pub(crate) use walk::walk_workgroups;
 
 use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes};
