@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
+use crate::layout::SPREAD_PARTS;
 use crate::raster::Rasteriser;
 use crate::shader::Module;
 use crate::shading::Shader;
@@ -635,6 +636,11 @@ pub(crate) fn workgroups(count: u32) -> (u32, u32) {
     let groups = count.div_ceil(64).max(1);
     let columns = groups.min(32768);
     (columns, groups.div_ceil(columns))
+}
+
+/// The same where work is spread: a multiple of the parts among which it is.
+pub(crate) fn spread_workgroups(count: u32) -> (u32, u32) {
+    workgroups(count.max(1).next_multiple_of(64 * SPREAD_PARTS))
 }
 
 /// Where passes are recorded: in the host's encoder, or one submission a pass, to time each.

@@ -6,12 +6,12 @@ use glam::{DMat4, DVec3, DVec4, Vec3};
 use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, spread_workgroups};
 use crate::layout::{
     self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE,
 };
 use crate::light::{LightCamera, LightKind, light_cameras};
-use crate::raster::{Rasteriser, walk_workgroups};
+use crate::raster::Rasteriser;
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
 use crate::shadow::deep_opacity_map::front_shift;
@@ -265,7 +265,7 @@ impl Plan {
         }
 
         let largest = runs.iter().map(|run| run.run.count).max().unwrap_or(0);
-        let (_, rows) = walk_workgroups(largest);
+        let (_, rows) = spread_workgroups(largest);
         let mut plan = Self {
             width,
             height,

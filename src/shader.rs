@@ -24,6 +24,7 @@ files![
     "common/project",
     "common/order",
     "common/scan",
+    "common/spread",
     "common/tiles",
     "common/track",
     "raster/walk",

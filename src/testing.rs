@@ -461,7 +461,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("FIBRE_POINT_VECTORS", layout::FIBRE_POINT_VECTORS as u32),
         ("FIBRE_RUN_VECTORS", layout::FIBRE_RUN_VECTORS as u32),
         ("ORDER_KEYS", layout::ORDER_KEYS as u32),
-        ("WALK_PARTS", layout::WALK_PARTS),
+        ("SPREAD_PARTS", layout::SPREAD_PARTS),
     ]
 }
 

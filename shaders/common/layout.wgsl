@@ -158,8 +158,8 @@ struct Sample {
     padding_1: f32,
 }
 
-// Parts of a walk's dispatch, a power of two: its workgroups are a multiple of them.
-const WALK_PARTS: u32 = 64u;
+// Parts of a dispatch whose work is spread, a power of two: its workgroups are a multiple of them.
+const SPREAD_PARTS: u32 = 64u;
 
 // The most fragments of one pixel that counted arrays store: to order more would take more steps than some drivers' loops
 // have. The rest goes to the pixel's tail.

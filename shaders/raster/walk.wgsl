@@ -1,24 +1,10 @@
 // The walk: one invocation walks the pixels that one segment touches, slice by slice along the segment's major axis,
 // and hands each fragment to `emit`. No render pass, no attachment.
 
-const WALK_NONE: u32 = 0xffffffffu;
-
-// The place of an invocation's segment in the order. There are fewer segments to walk than were dispatched, and more to do for
-// some than for others; drivers that run on a CPU give each core one stretch of workgroups. So each of the dispatch's
-// WALK_PARTS parts gets as many segments, and parts that follow each other are far apart in the image.
-fn walk_number(invocation: u32, groups: u32, count: u32) -> u32 {
-    let each = groups / WALK_PARTS;
-    let chunks = (count + 64u * WALK_PARTS - 1u) / (64u * WALK_PARTS);
-    let group = invocation / 64u;
-    let part = reverseBits(group / each) >> (32u - firstTrailingBit(WALK_PARTS));
-    let place = group % each;
-    return select(WALK_NONE, (part * chunks + place) * 64u + invocation % 64u, place < chunks);
-}
-
 @compute @workgroup_size(64)
 fn walk(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let count = order[drawing.point_count - 1u];
-    let number = walk_number(invocation.x + invocation.y * groups.x * 64u, groups.x * groups.y, count);
+    let number = spread_number(invocation.x + invocation.y * groups.x * 64u, groups.x * groups.y, count);
     if number >= count || !emit_begin() { return; }
     let index = order[number];
     let s = segment(index);

@@ -4,7 +4,6 @@ mod ribbons;
 mod walk;
 
 pub(crate) use ribbons::ATTACHMENT;
-pub(crate) use walk::walk_workgroups;
 
 use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes};
@@ -88,7 +87,7 @@ impl Emission {
             file => Some(file),
         };
         let files: Vec<&'static str> = self.files.iter().filter_map(file).collect();
-        Module::new(&["common/coverage", "common/segment"])
+        Module::new(&["common/coverage", "common/segment", "common/spread"])
             .with("STAGE", Constant::U32(self.stage))
             .with("PARTS", Constant::U32(parts))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))

@@ -2,15 +2,9 @@
 
 use super::{Draw, Emission, Rasteriser};
 use crate::error::Result;
-use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
-use crate::layout::WALK_PARTS;
+use crate::gpu::{Gpu, Group, Passes, PipelineKey, spread_workgroups};
 use crate::plan::Plan;
 use crate::resources::Bound;
-
-/// Workgroups that walk so many segments: a multiple of the parts among which these are shared.
-pub(crate) fn walk_workgroups(segments: u32) -> (u32, u32) {
-    workgroups(segments.max(1).next_multiple_of(64 * WALK_PARTS))
-}
 
 pub(super) fn record(
     gpu: &mut Gpu,
@@ -39,7 +33,7 @@ pub(super) fn record(
             if draw.on_overflow {
                 pass.dispatch_workgroups_indirect(bound.arguments, super::WALK_ARGUMENTS);
             } else {
-                let (x, y) = walk_workgroups(run.run.segments);
+                let (x, y) = spread_workgroups(run.run.segments);
                 pass.dispatch_workgroups(x, y, draw.splits);
             }
         }
