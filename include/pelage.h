@@ -120,6 +120,15 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Bytes of a name in `PelageAdapter`, its NUL included.
 #define PELAGE_NAME_SIZE 256
 
+// The library chooses.
+#define PELAGE_RASTER_AUTO 0
+
+// Camera-facing triangle strips.
+#define PELAGE_RASTER_RIBBONS 1
+
+// A compute pass that walks the pixels of each segment.
+#define PELAGE_RASTER_WALK 2
+
 // Kajiya and Kay 1989.
 #define PELAGE_SHADING_KAJIYA_KAY 0
 
@@ -182,6 +191,27 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Yuksel and Keyser 2008.
 #define PELAGE_SHADOW_DEEP_OPACITY_MAP 1
 
+// Nearest depths with percentage-closer filtering.
+#define PELAGE_SHADOW_SHADOW_MAP 2
+
+// Nearest depths, and a guess of the fibres behind them.
+#define PELAGE_SHADOW_APPROXIMATED_DEEP_SHADOW_MAP 3
+
+// Kim and Neumann 2001.
+#define PELAGE_SHADOW_OPACITY_SHADOW_MAPS 4
+
+// Peters and Klein 2015, Münstermann et al. 2018.
+#define PELAGE_SHADOW_MOMENT_OPACITY_MAP 5
+
+// Yu et al. 2012.
+#define PELAGE_SHADOW_K_BUFFER_VOLUME 6
+
+// A fibre takes as much of the light as its opacity says.
+#define PELAGE_ATTENUATION_OPACITY 0
+
+// A fibre takes what its surface reflects and its inside absorbs.
+#define PELAGE_ATTENUATION_FRESNEL 1
+
 // The nearest fragment's colour at the pixel's whole opacity.
 #define PELAGE_TRANSPARENCY_OPAQUE 0
 
@@ -214,15 +244,6 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Colours weighted by a transmittance that moments of optical depth give (Muenstermann et al. 2018, Sharpe 2018).
 #define PELAGE_TRANSPARENCY_MOMENT 9
-
-// The library chooses.
-#define PELAGE_RASTER_AUTO 0
-
-// Camera-facing triangle strips.
-#define PELAGE_RASTER_RIBBONS 1
-
-// A compute pass that walks the pixels of each segment.
-#define PELAGE_RASTER_WALK 2
 
 // Fragments counted first, then stored side by side.
 #define PELAGE_STORAGE_COUNTED 0
@@ -331,6 +352,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // A light at a point that shines in all directions.
 #define PELAGE_LIGHT_POINT 1
 
+// A light at a point that shines into a cone.
+#define PELAGE_LIGHT_SPOT 2
+
 // The most lights of a frame.
 #define PELAGE_MAX_LIGHTS 16
 
@@ -343,6 +367,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Darken the opaque scene of the target by the hair's shadow.
 #define PELAGE_RENDER_RECEIVE_SHADOW 4
 
+// Of `pelage_vulkan_render`: write a view's shadow images alone. No hair is drawn, and its colour and outputs stay.
+#define PELAGE_RENDER_SHADOWS_ONLY 8
+
 // Bytes of a label, its NUL included.
 #define PELAGE_LABEL_SIZE 96
 
@@ -354,6 +381,9 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 
 // Words in which appended structs of features live.
 #define PELAGE_VULKAN_FEATURE_STORAGE 128
+
+// The most shadow maps of the host's in one view.
+#define PELAGE_MAX_OCCLUDERS 8
 
 // A binary semaphore.
 #define PELAGE_VULKAN_SEMAPHORE_BINARY 0
@@ -783,7 +813,95 @@ typedef struct PelageDeepOpacityMap {
     float depth;
     // `PELAGE_RASTER_...`.
     uint32_t raster;
+    // The part of each channel that a crossed fibre passes on, from 0 to below 1: all hair's alike.
+    float transmitted[3];
 } PelageDeepOpacityMap;
+
+// Settings of the shadow map.
+typedef struct PelageShadowMap {
+    // `sizeof(PelageShadowMap)`.
+    uint32_t struct_size;
+    // Texels a side, from 16 to 8192.
+    uint32_t resolution;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // The part of the light that a shadow takes, from 0 to 1.
+    float strength;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageShadowMap;
+
+// Settings of the approximated deep shadow map.
+typedef struct PelageApproximatedDeepShadowMap {
+    // `sizeof(PelageApproximatedDeepShadowMap)`.
+    uint32_t struct_size;
+    // Texels a side, from 16 to 8192.
+    uint32_t resolution;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // Opacity of each fibre that is guessed to lie in the way, above 0 and up to 1. 0: the fibres' own where `spacing` is
+    // given, else that times the part of a texel that a fibre covers on average.
+    float opacity;
+    // Mean distance between fibres along a ray, in host units. 0: such that mean transmittance is that of fibres spread
+    // evenly in the volume that they fill.
+    float spacing;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageApproximatedDeepShadowMap;
+
+// Settings of opacity shadow maps.
+typedef struct PelageOpacityShadowMaps {
+    // `sizeof(PelageOpacityShadowMaps)`.
+    uint32_t struct_size;
+    // Texels a side, from 16 to 8192.
+    uint32_t resolution;
+    // Planes, from 1 to 256.
+    uint32_t layers;
+    // How much farther apart the planes lie with depth, from 0, evenly, to 1, as the square of their number.
+    float unevenness;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageOpacityShadowMaps;
+
+// Settings of the moment opacity map.
+typedef struct PelageMomentOpacityMap {
+    // `sizeof(PelageMomentOpacityMap)`.
+    uint32_t struct_size;
+    // Texels a side, from 16 to 8192.
+    uint32_t resolution;
+    // Moments beside the sum, 4 or 6.
+    uint32_t moments;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // The part of each channel that a crossed fibre passes on, from 0 to below 1: all hair's alike.
+    float transmitted[3];
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageMomentOpacityMap;
+
+// Settings of the k-buffer volumetric shadow.
+typedef struct PelageKBufferVolume {
+    // `sizeof(PelageKBufferVolume)`.
+    uint32_t struct_size;
+    // Texels a side, from 16 to 8192.
+    uint32_t resolution;
+    // Events a texel, from 1 to 64.
+    uint32_t k;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // 1: what lies behind the K-th event counts, spread evenly to the farthest one. 0: it does not.
+    uint32_t tail;
+    // `PELAGE_ATTENUATION_...`: what a fibre takes of the light.
+    uint32_t attenuation;
+    // Of `PELAGE_ATTENUATION_FRESNEL`: the index of refraction, from 1.01 to 3.
+    float eta;
+    // Of `PELAGE_ATTENUATION_FRESNEL`: absorption per fibre radius, from 0.
+    float sigma_a[3];
+    // `PELAGE_RASTER_...`.
+    uint32_t raster;
+} PelageKBufferVolume;
 
 // A shadow technique with its settings.
 typedef struct PelageShadow {
@@ -793,6 +911,16 @@ typedef struct PelageShadow {
     uint32_t technique;
     // For `PELAGE_SHADOW_DEEP_OPACITY_MAP`; NULL: as `PELAGE_DEEP_OPACITY_MAP_INIT`.
     const struct PelageDeepOpacityMap *deep_opacity_map;
+    // For `PELAGE_SHADOW_SHADOW_MAP`; NULL: as `PELAGE_SHADOW_MAP_INIT`.
+    const struct PelageShadowMap *shadow_map;
+    // For `PELAGE_SHADOW_APPROXIMATED_DEEP_SHADOW_MAP`; NULL: as `PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT`.
+    const struct PelageApproximatedDeepShadowMap *approximated_deep_shadow_map;
+    // For `PELAGE_SHADOW_OPACITY_SHADOW_MAPS`; NULL: as `PELAGE_OPACITY_SHADOW_MAPS_INIT`.
+    const struct PelageOpacityShadowMaps *opacity_shadow_maps;
+    // For `PELAGE_SHADOW_MOMENT_OPACITY_MAP`; NULL: as `PELAGE_MOMENT_OPACITY_MAP_INIT`.
+    const struct PelageMomentOpacityMap *moment_opacity_map;
+    // For `PELAGE_SHADOW_K_BUFFER_VOLUME`; NULL: as `PELAGE_K_BUFFER_VOLUME_INIT`.
+    const struct PelageKBufferVolume *k_buffer_volume;
 } PelageShadow;
 
 // Settings of the opaque technique.
@@ -1029,17 +1157,21 @@ typedef struct PelageLight {
     uint32_t struct_size;
     // `PELAGE_LIGHT_...`.
     uint32_t kind;
-    // Of a directional light: the way it travels, in world space; any length but zero.
+    // Of a directional light or a spot: the way it travels, in world space; any length but zero.
     double direction[3];
-    // Of a point light: world space, host units.
+    // Of a point light or a spot: world space, host units.
     double position[3];
-    // Linear RGB, at least 0. Of a directional light: irradiance on a plane that faces it. Of a point light: radiant
-    // intensity, that is irradiance times squared distance.
+    // Linear RGB, at least 0. Of a directional light: irradiance on a plane that faces it. Of a point light or a spot:
+    // radiant intensity, that is irradiance times squared distance.
     float power[3];
     // 0.
     uint32_t reserved;
     // How hair shadows this light; NULL: as the frame's hairs wish.
     const struct PelageShadow *shadow;
+    // Of a spot: the angle from its axis up to which it has all of its intensity, in radians, from 0 to `outer_angle`.
+    float inner_angle;
+    // Of a spot: the angle from which on it has none, in radians, above 0 and up to pi/2.
+    float outer_angle;
 } PelageLight;
 
 // What one frame draws. Read during the call only.
@@ -1222,6 +1354,40 @@ typedef struct PelageVulkanImage {
     uint32_t owner_after;
 } PelageVulkanImage;
 
+// A shadow map of the host's, by which its opaque scene shadows the hair from one light. Of several maps for one light the
+// first decides in whose clip space a point lies; what lies in none is lit.
+typedef struct PelageVulkanOccluder {
+    // `sizeof(PelageVulkanOccluder)`.
+    uint32_t struct_size;
+    // The light's place in the frame.
+    uint32_t light;
+    // The depth of the opaque scene as the light sees it, with `VK_IMAGE_USAGE_SAMPLED_BIT`. Not NULL.
+    const struct PelageVulkanImage *depth;
+    // The clip space of that depth from world space, column-major. Can be inverted.
+    double clip_from_world[16];
+    // `PELAGE_VIEW_REVERSE_Z` or `PELAGE_VIEW_FLIP_Y`, both, or 0.
+    uint32_t flags;
+    // Width of the filter in texels: 1, 3 or 5.
+    uint32_t pcf;
+    // How far a point is moved towards the light before it is compared, in host units, at least 0.
+    float bias;
+    // 0.
+    uint32_t reserved;
+} PelageVulkanOccluder;
+
+// An image of the hair's shadow from one light on the host's opaque scene, for the host's own lighting: each pixel of the
+// view's rectangle holds the part of the light, 0 to 1, that the hair lets through to the point that the view's depth stands
+// for; 1 at the far plane.
+typedef struct PelageVulkanShadowImage {
+    // `sizeof(PelageVulkanShadowImage)`.
+    uint32_t struct_size;
+    // The light's place in the frame.
+    uint32_t light;
+    // Of the colour's size, with `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`: `VK_FORMAT_R32_SFLOAT`, `VK_FORMAT_R16_SFLOAT`,
+    // `VK_FORMAT_R8_UNORM`, `VK_FORMAT_R16G16B16A16_SFLOAT` or `VK_FORMAT_R8G8B8A8_UNORM`. Not NULL.
+    const struct PelageVulkanImage *image;
+} PelageVulkanShadowImage;
+
 // One view of a submission: a frame, and the images that it goes into.
 typedef struct PelageVulkanView {
     // `sizeof(PelageVulkanView)`.
@@ -1246,6 +1412,14 @@ typedef struct PelageVulkanView {
     const struct PelageVulkanImage *motion;
     // Hair, instance and strand: `VK_FORMAT_R32G32_UINT`.
     const struct PelageVulkanImage *ids;
+    // The host's shadow maps.
+    const struct PelageVulkanOccluder *occluders;
+    // Images of the hair's shadow on the opaque scene; they need a depth.
+    const struct PelageVulkanShadowImage *shadow_images;
+    // The number of shadow maps, at most `PELAGE_MAX_OCCLUDERS`.
+    uint32_t occluder_count;
+    // The number of images, at most `PELAGE_MAX_LIGHTS`.
+    uint32_t shadow_image_count;
 } PelageVulkanView;
 
 // A semaphore to wait on, or to signal.
@@ -1795,8 +1969,13 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_SADEGHI_INIT { sizeof(PelageSadeghi), { { 1.0f, 1.0f, 1.0f }, 0.3f, -0.1308997f, 0.1308997f }, { { 0.9f, 0.7f, 0.4f }, 0.8f, 0.06544985f, 0.06544985f }, { { 0.8f, 0.5f, 0.25f }, 0.2f, 0.19634955f, 0.2617994f }, 0.34906584f, 0.5f, 0.17453292f, { 0.5235988f, 0.7853982f }, 1, { 1.0f, 1.0f, 1.0f }, 0, 1.0f, 0.7f, 0.0f, 1.0f, 0.0f, 1.0f }
 #define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 0.7f, 0.0f, 1.0f, 0.0f, 0, 1.0f }
 #define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL, 0, 0 }
-#define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 3, 0.5f, 0 }
-#define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL }
+#define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 8, 1, 1.0f, 0, { 0.0f, 0.0f, 0.0f } }
+#define PELAGE_MOMENT_OPACITY_MAP_INIT { sizeof(PelageMomentOpacityMap), 512, 6, 3, { 0.0f, 0.0f, 0.0f }, 0 }
+#define PELAGE_K_BUFFER_VOLUME_INIT { sizeof(PelageKBufferVolume), 512, 16, 3, 1, 0, 1.55f, { 0.0f, 0.0f, 0.0f }, 0 }
+#define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL, NULL, NULL, NULL, NULL, NULL }
+#define PELAGE_SHADOW_MAP_INIT { sizeof(PelageShadowMap), 512, 5, 1.0f, 0 }
+#define PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT { sizeof(PelageApproximatedDeepShadowMap), 512, 3, 0.0f, 0.0f, 0 }
+#define PELAGE_OPACITY_SHADOW_MAPS_INIT { sizeof(PelageOpacityShadowMaps), 512, 64, 0.0f, 3, 0 }
 #define PELAGE_OPAQUE_INIT { sizeof(PelageOpaque), 0 }
 #define PELAGE_A_BUFFER_INIT { sizeof(PelageABuffer), 0, 0, 0, 0 }
 #define PELAGE_WEIGHTED_BLENDED_INIT { sizeof(PelageWeightedBlended), 2, 4.0f, 0 }
@@ -1810,7 +1989,7 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_TRANSPARENCY_INIT { sizeof(PelageTransparency), 10, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_DBK_BUFFER_INIT { sizeof(PelageDbkBuffer), 0.00390625f, 0.0f, 0, 0 }
 #define PELAGE_VIEW_INIT { sizeof(PelageView), 0, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, { 0.0f, 0.0f }, { 0.0f, 0.0f }, { 0, 0, 0, 0 } }
-#define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL }
+#define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL, 0.4f, 0.5f }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_TARGET_DESCRIPTOR_INIT { sizeof(PelageTargetDescriptor), 0, 0, 0, 0, 0 }
 #define PELAGE_STATISTICS_INIT { sizeof(PelageStatistics), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
@@ -1818,7 +1997,9 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }
 #define PELAGE_VULKAN_DEVICE_INIT { sizeof(PelageVulkanDevice), 0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0 }
 #define PELAGE_VULKAN_IMAGE_INIT { sizeof(PelageVulkanImage), 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 4294967295, 4294967295 }
-#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL }
+#define PELAGE_VULKAN_VIEW_INIT { sizeof(PelageVulkanView), 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0, 0 }
+#define PELAGE_VULKAN_OCCLUDER_INIT { sizeof(PelageVulkanOccluder), 0, NULL, { 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0 }, 0, 3, 0.0f, 0 }
+#define PELAGE_VULKAN_SHADOW_IMAGE_INIT { sizeof(PelageVulkanShadowImage), 0, NULL }
 #define PELAGE_VULKAN_POINTS_INIT { sizeof(PelageVulkanPoints), 0, 0, 0, 0, 12, { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 4294967295, 4294967295 }
 #define PELAGE_VULKAN_SEMAPHORE_INIT { sizeof(PelageVulkanSemaphore), 0, 0, 0 }
 #define PELAGE_VULKAN_SUBMIT_INIT { sizeof(PelageVulkanSubmit), 0, NULL, NULL, NULL, 0, 0 }

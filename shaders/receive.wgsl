@@ -71,16 +71,11 @@ fn receive(in: ReceiveVertex) -> @location(0) vec4f {
     let depth = textureLoad(host_depth, vec2u(pixel.xy), 0);
     let far = select(1.0, 0.0, (frame.flags & FRAME_REVERSE_Z) != 0u);
     if depth == far { discard; }
-    let local = pixel.xy - vec2f(frame.origin);
-    let ndc = vec2f(2.0, -2.0) * local / vec2f(f32(frame.width), f32(frame.height)) + vec2f(-1.0, 1.0);
-    let homogeneous = frame.relative_from_clip * vec4f(ndc, depth, 1.0);
-    let position = homogeneous.xyz / homogeneous.w;
+    let position = host_position(pixel.xy, depth);
     var total = frame.ambient;
     var reached = frame.ambient;
     for (var light = 0u; light < in.light_count; light++) {
-        let place = frame.lights[light].place;
-        let to_light = place.xyz - position * place.w;
-        let power = frame.lights[light].power * select(1.0, 1.0 / max(dot(to_light, to_light), 1e-20), place.w > 0.0);
+        let power = light_reach(light, position).irradiance;
         total += power;
         reached += power * shadow_received(position, light).transmittance;
     }

@@ -8,8 +8,14 @@ use crate::plan::{Band, Plan};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
 use crate::shading::Shader;
-use crate::transparency::Transparency;
-use crate::{shadow, transparency};
+use crate::shadow::Shadow;
+use crate::transparency::{self, Transparency};
+
+/// What writes a light's shadow image, beside the look-up.
+pub(crate) const SHADOW_IMAGE: &[&str] =
+    &["common/host_position", "common/fullscreen", "shadow_image"];
+/// The same where no hair shadows anything.
+pub(crate) const SHADOW_IMAGE_NONE: &[&str] = &["common/fullscreen", "shadow_image_none"];
 
 /// Pixels a side of the tiles in which the composite and the received shadow are drawn, `TILE` in WGSL: smaller ones fit what they
 /// cover more closely, but the pixels at their diagonals are shaded twice.
@@ -40,13 +46,14 @@ pub(crate) fn receive(
     plan: &Plan,
     target: &Target,
 ) -> Result<()> {
-    if !target.receive_shadow || !plan.shader.shadowed {
+    if !target.receive_shadow || plan.shadow == Shadow::None {
         return Ok(());
     }
     let label = "pelage.composite.receive";
     let format = target.colour.format();
     let key = PipelineKey {
         colour: Some(format),
+        variant: plan.shadow.variant(),
         ..PipelineKey::new(label)
     };
     // Colour × shadow; the alpha stays.
@@ -56,7 +63,7 @@ pub(crate) fn receive(
         operation: wgpu::BlendOperation::Add,
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: receive_module(),
+        module: receive_module(&plan.shadow),
         vertex: "receive_vertex",
         fragment: "receive",
         groups: &[Group::Frame, Group::HostTilesRead, Group::MapsRead],
@@ -89,9 +96,16 @@ pub(crate) fn receive(
 }
 
 /// The module of the received shadow.
-pub(crate) fn receive_module() -> Module {
-    Module::new(shadow::look_up(true))
-        .and(&["common/pixels", "common/tiles", "receive"])
+pub(crate) fn receive_module(shadow: &Shadow) -> Module {
+    shadow
+        .module()
+        .and(&[
+            "common/pixels",
+            "common/light",
+            "common/host_position",
+            "common/tiles",
+            "receive",
+        ])
         .with("TILE", Constant::U32(TILE))
 }
 
@@ -111,6 +125,60 @@ pub(crate) fn module(transparency: &Transparency, parts: u32, shader: Option<&Sh
 /// Draws an image of this size in tiles.
 fn draw_tiles(pass: &mut wgpu::RenderPass, width: u32, height: u32) {
     pass.draw(0..4, 0..width.div_ceil(TILE) * height.div_ceil(TILE));
+}
+
+/// Writes the images of the hair's shadow on the opaque scene. Without `bound` there is no hair.
+pub(crate) fn shadow_images(
+    gpu: &mut Gpu,
+    passes: &mut Passes,
+    bound: Option<&Bound>,
+    plan: &Plan,
+    target: &Target,
+) -> Result<()> {
+    let bound = bound.filter(|_| plan.shadow != Shadow::None);
+    let label = "pelage.composite.shadow_image";
+    for wanted in target.shadow_images {
+        let format = wanted.image.format();
+        let key = PipelineKey {
+            colour: Some(format),
+            variant: bound.map_or(0, |_| plan.shadow.variant()),
+            ..PipelineKey::new(label)
+        };
+        let pipeline = gpu.render(key, || {
+            let targets = vec![Some(wgpu::ColorTargetState::from(format))];
+            let common = |module, vertex, fragment, groups| RenderSpec {
+                module,
+                vertex,
+                fragment,
+                groups,
+                topology: wgpu::PrimitiveTopology::TriangleList,
+                targets,
+                depth_stencil: None,
+            };
+            if bound.is_some() {
+                let module = plan.shadow.module().and(SHADOW_IMAGE);
+                let groups = &[Group::Frame, Group::MapsRead];
+                common(module, "shadow_image_vertex", "shadow_image", groups)
+            } else {
+                let module = Module::new(SHADOW_IMAGE_NONE);
+                common(module, "fullscreen_vertex", "shadow_image_none", &[])
+            }
+        })?;
+        let view = wanted.surface().view(wgpu::TextureAspect::All);
+        passes.encode(label, |encoder| {
+            let mut pass = begin(encoder, label, &view, wgpu::LoadOp::Load, None);
+            pass.set_pipeline(&pipeline);
+            if let Some(bound) = bound {
+                let offsets = [0, plan.bands[0].drawings[0], plan.runs[0].material];
+                pass.set_bind_group(0, bound.frame, &offsets);
+                pass.set_bind_group(2, bound.maps_read, &[]);
+            }
+            set_area(&mut pass, plan, 0, plan.height);
+            let light = wanted.light as u32;
+            pass.draw(0..3, light..light + 1);
+        });
+    }
+    Ok(())
 }
 
 /// Blends a band's hair over the target, and writes its nearest depth where that is asked for.
@@ -285,7 +353,7 @@ pub(crate) fn outputs_none(
     plan: &Plan,
     target: &Target,
 ) -> Result<()> {
-    if !target.outputs.wanted().0 {
+    if !target.outputs.wanted().0 || plan.shadows_only {
         return Ok(());
     }
     let label = "pelage.composite.outputs_none";

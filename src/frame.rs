@@ -5,10 +5,11 @@ use glam::Vec3;
 use crate::error::{Error, Result, invalid};
 use crate::geometry::{Hair, Projection};
 use crate::light::Light;
+use crate::occluder::Occluder;
 use crate::plan::Plan;
 use crate::raster::Rasteriser;
 use crate::resources::Resources;
-use crate::surface::{Subresources, Surface};
+use crate::surface::{Subresource, Subresources, Surface};
 use crate::transparency::Transparency;
 use crate::view::View;
 use crate::{composite, geometry, gpu, shading, shadow, transparency};
@@ -46,9 +47,47 @@ pub struct Target<'a> {
     pub rectangle: Option<[u32; 4]>,
     /// What else is written.
     pub outputs: Outputs<'a>,
+    /// The host's own shadow maps, which shadow the hair; at most [`crate::MAX_OCCLUDERS`].
+    pub occluders: &'a [Occluder<'a>],
+    /// The hair's shadow on the opaque scene, an image a light, for the host's own lighting.
+    pub shadow_images: &'a [ShadowImage<'a>],
+    /// Write `shadow_images` alone: no hair is drawn, and nothing else of the target is touched.
+    pub shadows_only: bool,
     /// Which layer and mip level of each image is meant.
     pub subresources: Subresources,
 }
+
+/// An image of the hair's shadow from one light on the opaque scene.
+///
+/// Each pixel of the view's rectangle holds the part of the light, from 0 to 1, that the hair lets through to the point
+/// that the target's depth stands for; 1 at the far plane. Red, green and blue are those of the light; alpha is 1.
+#[derive(Debug, Clone, Copy)]
+pub struct ShadowImage<'a> {
+    /// The light's place in [`Frame::lights`].
+    pub light: usize,
+    /// `R32Float`, `R16Float`, `R8Unorm`, `Rgba16Float` or `Rgba8Unorm`, of the colour's size, usable as a render attachment.
+    pub image: &'a wgpu::Texture,
+    /// Which layer and mip level of it is meant.
+    pub subresource: Subresource,
+}
+
+impl<'a> ShadowImage<'a> {
+    pub(crate) fn surface(&self) -> Surface<'a> {
+        Surface {
+            texture: self.image,
+            at: self.subresource,
+        }
+    }
+}
+
+/// The formats of shadow images.
+const SHADOW_IMAGES: &[wgpu::TextureFormat] = &[
+    wgpu::TextureFormat::R32Float,
+    wgpu::TextureFormat::R16Float,
+    wgpu::TextureFormat::R8Unorm,
+    wgpu::TextureFormat::Rgba16Float,
+    wgpu::TextureFormat::Rgba8Unorm,
+];
 
 /// Images beside the colour, all of its size, each written in the whole rectangle and usable as a render attachment.
 #[derive(Debug, Clone, Copy, Default)]
@@ -88,6 +127,9 @@ impl<'a> Target<'a> {
             receive_shadow: false,
             rectangle: None,
             outputs: Outputs::default(),
+            occluders: &[],
+            shadow_images: &[],
+            shadows_only: false,
             subresources: Subresources::default(),
         }
     }
@@ -171,6 +213,12 @@ impl<'a> Target<'a> {
                 "the rectangle of {width}×{height} pixels at ({left}, {top}) is not within the target's {whole_width}×{whole_height}"
             );
         }
+        let names: Vec<String> = (0..self.shadow_images.len())
+            .map(|number| format!("shadow image {number}"))
+            .collect();
+        let shadows = self.shadow_images.iter().zip(&names);
+        let shadows =
+            shadows.map(|(shadow, name)| (&name[..], Some(shadow.surface()), SHADOW_IMAGES));
         let same_size = |name: &str, image: &Surface| {
             let [width, height] = image.size();
             if [width, height] != colour.size() {
@@ -180,7 +228,7 @@ impl<'a> Target<'a> {
             }
             Ok(())
         };
-        for (name, image, formats) in self.output_surfaces() {
+        for (name, image, formats) in self.output_surfaces().into_iter().chain(shadows) {
             let Some(image) = image else { continue };
             image.validate(name, wgpu::TextureUsages::RENDER_ATTACHMENT)?;
             if !formats.contains(&image.format()) {
@@ -194,6 +242,9 @@ impl<'a> Target<'a> {
         let Some(depth) = self.depth_surface() else {
             if self.write_depth || self.receive_shadow {
                 return invalid!("write_depth and receive_shadow need a depth in the target");
+            }
+            if !self.shadow_images.is_empty() {
+                return invalid!("shadow images need a depth in the target");
             }
             return Ok(());
         };
@@ -220,8 +271,11 @@ pub(crate) fn record(
     plan: &Plan,
     target: &Target,
 ) -> Result<()> {
-    composite::clear(passes, target);
+    if !plan.shadows_only {
+        composite::clear(passes, target);
+    }
     let Some(bound) = resources.bound(plan) else {
+        composite::shadow_images(gpu, passes, None, plan, target)?;
         return composite::outputs_none(gpu, passes, plan, target);
     };
     resources.clear_maps(passes, plan);
@@ -248,6 +302,11 @@ pub(crate) fn record(
             )?;
         }
         shadow::record(gpu, passes, &bound, map, plan)?;
+    }
+    composite::shadow_images(gpu, passes, Some(&bound), plan, target)?;
+    if plan.shadows_only {
+        resources.keep_nothing(passes, &bound, plan);
+        return Ok(());
     }
     geometry::host_tiles(gpu, passes, &bound, plan)?;
     composite::receive(gpu, passes, &bound, plan, target)?;

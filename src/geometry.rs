@@ -1,12 +1,14 @@
 //! Strands → GPU buffers. Strands are ordered along a Morton curve by their midpoints once, on load, so that
 //! neighbouring invocations touch neighbouring pixels; curves are cut into straight segments.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DMat4, DVec3, Vec3};
 
 use crate::error::{Error, Result, invalid};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
+use crate::groom::density::{Density, density};
 use crate::groom::{Curve, Strands, tessellate};
 use crate::guided::Guiding;
 use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttributes, Projected};
@@ -109,6 +111,8 @@ pub(crate) struct Geometry {
     pub places: Option<Allocation>,
     /// The guides that it follows.
     pub guiding: Option<Guiding>,
+    /// How densely it fills space, as it was when that was first asked for.
+    density: OnceLock<Density>,
 }
 
 impl Hair {
@@ -239,7 +243,13 @@ impl Geometry {
             waiting: (0, 0),
             places: None,
             guiding: None,
+            density: OnceLock::new(),
         })
+    }
+
+    /// How densely the strands fill space; measured once, and not anew where they move.
+    pub fn density(&self) -> Density {
+        *self.density.get_or_init(|| density(&self.strands))
     }
 
     /// Replaces every position; see [`Strands::set_points`]. Curves stay cut into as many pieces as they were.

@@ -32,12 +32,13 @@ pub(crate) enum Group {
     MapsRead,
     PixelsWritten,
     PixelsRead,
+    Occluders,
     /// What sorted blending sorts, and the image that it blends into.
     Sorting,
     BlendedRead,
 }
 
-const GROUPS: [Group; 19] = [
+const GROUPS: [Group; 20] = [
     Group::Frame,
     Group::HostTiles,
     Group::HostTilesRead,
@@ -55,6 +56,7 @@ const GROUPS: [Group; 19] = [
     Group::MapsRead,
     Group::PixelsWritten,
     Group::PixelsRead,
+    Group::Occluders,
     Group::Sorting,
     Group::BlendedRead,
 ];
@@ -79,7 +81,11 @@ impl Group {
             | Self::Gather
             | Self::Guided => 1,
             Self::MapsWritten | Self::MapsRead => 2,
-            Self::PixelsWritten | Self::PixelsRead | Self::Sorting | Self::BlendedRead => 3,
+            Self::PixelsWritten
+            | Self::PixelsRead
+            | Self::Occluders
+            | Self::Sorting
+            | Self::BlendedRead => 3,
         }
     }
 
@@ -106,19 +112,24 @@ impl Group {
             },
             count: None,
         };
+        let depth = |binding, visibility| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility,
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Depth,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            count: None,
+        };
         match self {
             Self::Frame => {
-                let depth = wgpu::BindGroupLayoutEntry {
-                    binding: 3,
-                    visibility: raster,
-                    ty: wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Depth,
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                    count: None,
-                };
-                vec![uniform(0, true), uniform(1, true), uniform(2, true), depth]
+                vec![
+                    uniform(0, true),
+                    uniform(1, true),
+                    uniform(2, true),
+                    depth(3, raster),
+                ]
             }
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
             Self::HostTilesRead => vec![storage(0, Stages::VERTEX, true)],
@@ -150,6 +161,9 @@ impl Group {
             Self::MapsRead => vec![storage(0, raster, true)],
             Self::PixelsWritten => (0..PIXEL_BUFFERS)
                 .map(|binding| storage(binding, raster, binding + 1 == PIXEL_BUFFERS))
+                .collect(),
+            Self::Occluders => (0..crate::layout::MAX_OCCLUDERS as u32)
+                .map(|binding| depth(binding, Stages::COMPUTE))
                 .collect(),
             Self::PixelsRead => (0..PIXEL_BUFFERS)
                 .map(|binding| storage(binding, Stages::FRAGMENT | Stages::VERTEX, true))

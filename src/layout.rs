@@ -7,6 +7,8 @@ use bytemuck::{Pod, Zeroable};
 pub const MAX_LIGHTS: usize = 16;
 /// The most maps that all lights of one frame take; a point light inside the hair takes six.
 pub const MAX_SHADOW_VIEWS: usize = 32;
+/// The most shadow maps of the host's that one frame takes.
+pub const MAX_OCCLUDERS: usize = 8;
 /// The distance of uniform blocks, which every device takes.
 pub const UNIFORM_STRIDE: u64 = 256;
 
@@ -14,6 +16,7 @@ pub const DRAWING_DEPTH_OVER_W: u32 = 1;
 pub const DRAWING_REVERSE_Z: u32 = 2;
 pub const DRAWING_HOST_DEPTH: u32 = 4;
 pub const FRAME_REVERSE_Z: u32 = 1;
+pub const OCCLUDER_REVERSE_Z: u32 = 1;
 pub const FRAME_NEAREST: u32 = 2;
 pub const POINT_FIRST: u32 = 0x8000_0000;
 pub const POINT_LAST: u32 = 0x4000_0000;
@@ -51,20 +54,22 @@ pub struct Drawing {
     pub front_base: u32,
     pub layer_base: u32,
     pub layer_count: u32,
-    pub layer_extent: f32,
+    pub front_shift: u32,
     pub row_first: u32,
     pub row_end: u32,
-    pub padding_1: u32,
-    pub front_shift: u32,
+    pub chunk_base: u32,
+    pub hair: u32,
+    pub map_values: [f32; 4],
+    pub map_colour: [f32; 4],
     pub clip_from_object: [[f32; 4]; 4],
     pub previous_clip_from_object: [[f32; 4]; 4],
     pub jitter_motion: [f32; 2],
-    pub hair: u32,
-    pub chunk_base: u32,
     pub fibre_run: u32,
     pub fibre_run_number: u32,
     pub largest_radius: f32,
     pub padding_0: u32,
+    pub padding_1: u32,
+    pub padding_2: u32,
 }
 
 #[repr(C)]
@@ -77,9 +82,11 @@ pub struct Light {
     pub resolution: u32,
     pub pcf: u32,
     pub layer_count: u32,
-    pub layer_extent: f32,
     pub bias: f32,
+    pub cos_outer: f32,
+    pub edge: f32,
     pub padding_0: f32,
+    pub axis: [f32; 3],
     pub padding_1: f32,
 }
 
@@ -92,6 +99,18 @@ pub struct ShadowView {
     pub layer_base: u32,
     pub front_shift: u32,
     pub padding_0: u32,
+    pub values: [f32; 4],
+    pub colour: [f32; 4],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Occluder {
+    pub clip_from_relative: [[f32; 4]; 4],
+    pub light: u32,
+    pub pcf: u32,
+    pub bias: f32,
+    pub flags: u32,
 }
 
 #[repr(C)]
@@ -118,8 +137,13 @@ pub struct Frame {
     pub key_packing: u32,
     pub place_of_depth: [f32; 4],
     pub technique: [f32; 4],
+    pub occluder_count: u32,
+    pub padding_0: u32,
+    pub padding_1: u32,
+    pub padding_2: u32,
     pub lights: [Light; MAX_LIGHTS],
     pub shadow_views: [ShadowView; MAX_SHADOW_VIEWS],
+    pub occluders: [Occluder; MAX_OCCLUDERS],
 }
 
 #[repr(C)]

@@ -1,26 +1,32 @@
 //! The plan of a frame: everything that the CPU decides before a pass is recorded. Matrices are composed in double
 //! precision here; the GPU sees positions relative to the view's eye.
 
+mod choices;
+mod seen;
+
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Target};
+use crate::frame::{Frame, ShadowImage, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
 use crate::gpu::{Gpu, spread_workgroups};
 use crate::layout::{
-    self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_SHADOW_VIEWS, UNIFORM_STRIDE,
+    self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_OCCLUDERS, MAX_SHADOW_VIEWS,
+    UNIFORM_STRIDE,
 };
 use crate::light::{LightCamera, LightKind, light_cameras};
+use crate::occluder;
 use crate::raster::Rasteriser;
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
-use crate::shadow::deep_opacity_map::front_shift;
-use crate::shadow::{DeepOpacityMap, Shadow};
+use crate::shadow::{Fibres, Shadow, Shape, Sight};
 use crate::transparency::a_buffer::{FRAGMENT_BYTES, KEY_BYTES};
 use crate::transparency::nearest::Sought;
 use crate::transparency::sorted_blending::Sorting;
 use crate::transparency::{Needs, Transparency};
 use crate::view::View;
+use choices::{choose_shadow, choose_transparency, one_shader};
+use seen::{Seen, key_packing, key_range, place_of_depth, view_size};
 
 /// A run of a hair, and where its points lie among the frame's pooled points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,9 +42,8 @@ pub(crate) struct PlannedRun {
 /// One map of one light.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlannedMap {
-    /// Blocks of 1 << front_shift texels a side share one front.
-    pub front_shift: u32,
-    pub settings: DeepOpacityMap,
+    pub technique: Shadow,
+    pub shape: Shape,
     pub rasteriser: Rasteriser,
     /// Whether the map's near plane may cross the hair.
     pub crosses: bool,
@@ -87,6 +92,10 @@ pub(crate) struct Plan {
     pub shadings: Vec<Shading>,
     /// Every hair's uniform block.
     materials: Vec<u32>,
+    /// The technique of all lights that have maps; none where no light has any.
+    pub shadow: Shadow,
+    /// Whether only the images of the hair's shadow are written.
+    pub shadows_only: bool,
     pub reverse_z: bool,
     pub host_depth: bool,
     /// What is asked of each pixel's nearest fragment where the technique does not know it.
@@ -217,10 +226,25 @@ impl Plan {
             .iter()
             .enumerate()
             .try_for_each(|(number, hair)| hair.validate(number))?;
+        occluder::validate(target.occluders, frame.lights.len())?;
+        let lights = frame.lights.len();
+        let unlit = |shadow: &ShadowImage| shadow.light >= lights;
+        if let Some(number) = target.shadow_images.iter().position(unlit) {
+            return invalid!(
+                "shadow image {number}: light {} of a frame of {lights} lights",
+                target.shadow_images[number].light
+            );
+        }
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
         transparency.fits(gpu)?;
-        let shader = one_shader(frame)?;
+        let mut shader = one_shader(frame)?;
+        shader.occluded = !target.occluders.is_empty();
+        if shader.occluded && shader.rate == ShadingRate::Fragment {
+            return Err(Error::Conflict(
+                "occluders shadow hair that is shaded at points; hair 0 has the shading rate Fragment".into(),
+            ));
+        }
         if shader.rate == ShadingRate::Fragment && !transparency.shades_fragments() {
             return Err(Error::Conflict(format!(
                 "the shading rate {:?} and the transparency {}, which takes {:?} alone",
@@ -297,6 +321,8 @@ impl Plan {
             transmissions: transmissions(frame, &placed, origin, eye_relative),
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
+            shadow: Shadow::None,
+            shadows_only: target.shadows_only,
             reverse_z: frame.view.reverse_z,
             host_depth: target.depth.is_some(),
             sought,
@@ -340,8 +366,13 @@ impl Plan {
                 seed: transparency.seed(),
                 place_of_depth: place_of_depth(&clip_from_relative, &placed, frame.view.reverse_z),
                 technique: transparency.values(),
+                occluder_count: target.occluders.len() as u32,
+                padding_0: 0,
+                padding_1: 0,
+                padding_2: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
+                occluders: occluders(target, origin),
             },
             runs,
         };
@@ -416,7 +447,8 @@ impl Plan {
     /// The shader of one hair by itself.
     pub fn shader_of(&self, hair: usize) -> Shader {
         Shader {
-            shadowed: self.shader.shadowed,
+            shadow: self.shader.shadow,
+            occluded: self.shader.occluded,
             transmits: self.shader.transmits,
             ..Shader::of(&self.shadings[hair], self.shader.rate)
         }
@@ -500,70 +532,67 @@ impl Plan {
         let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
         let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
         for (number, light) in frame.lights.iter().enumerate() {
-            let (place, power) = match light.kind {
-                LightKind::Directional {
-                    direction,
-                    irradiance,
-                } => ((-direction.normalize()).extend(0.0), irradiance),
-                LightKind::Point {
-                    position,
-                    intensity,
-                } => ((position - origin).extend(1.0), intensity),
-            };
+            let emitter = light.kind.emitter(origin);
             let uniform = &mut self.frame_uniform.lights[number];
-            uniform.place = vector(place);
-            uniform.power = power.into();
-            let Shadow::DeepOpacityMap(settings) = choose_shadow(frame, number)? else {
-                continue;
-            };
+            uniform.place = vector(emitter.place);
+            uniform.power = emitter.power.into();
+            uniform.axis = emitter.axis.as_vec3().into();
+            uniform.cos_outer = emitter.cosines[0] as f32;
+            uniform.edge = 1.0 / (emitter.cosines[1] - emitter.cosines[0]).max(1e-6) as f32;
+            let technique = choose_shadow(frame, number)?;
             if corners.is_empty() || self.runs.is_empty() {
                 continue;
             }
-            let cameras = light_cameras(place, &corners, radius);
-            let extent = cameras.extent * f64::from(settings.depth);
+            let cameras = light_cameras(&emitter, &corners, radius);
+            let fibres = fibres(frame, placed, technique.needs_density());
+            let sight = Sight::new(&cameras, radius, fibres);
+            let Some(shape) = technique.shape(&sight) else {
+                continue;
+            };
+            if self.shadow != Shadow::None && self.shadow.stem() != technique.stem() {
+                return Err(Error::Conflict(format!(
+                    "light {number} has the shadow {} and one before it {}; a frame takes one technique",
+                    technique.stem(),
+                    self.shadow.stem()
+                )));
+            }
+            self.shadow = technique;
+            self.shader.shadow = technique.look_up();
             let first = self.maps.len();
             if first + cameras.views.len() > MAX_SHADOW_VIEWS {
                 return Err(Error::Unsupported(format!(
                     "light {number}: a frame takes at most {MAX_SHADOW_VIEWS} shadow maps"
                 )));
             }
-            let texel = cameras.width / f64::from(settings.resolution);
             *uniform = layout::Light {
                 map_count: cameras.views.len() as u32,
                 map_first: first as u32,
-                resolution: settings.resolution,
-                pcf: settings.pcf,
-                layer_count: settings.layers,
-                layer_extent: extent as f32,
-                bias: (2.0 * radius + 0.25 * f64::from(settings.pcf + 1) * texel) as f32,
+                resolution: shape.resolution,
+                pcf: shape.pcf,
+                layer_count: shape.layers,
+                bias: shape.bias as f32,
                 ..*uniform
             };
-            self.shader.shadowed = true;
+            let half_width = sight.half_width(shape.resolution);
             for camera in cameras.views {
-                let half_width = radius * f64::from(settings.resolution) / cameras.nearest_width;
-                self.add_map(frame, placed, settings, &camera, extent, half_width, gpu)?;
+                self.add_map(frame, placed, (technique, shape), &camera, half_width, gpu)?;
             }
         }
         Ok(())
     }
 
-    #[allow(clippy::too_many_arguments)]
     fn add_map(
         &mut self,
         frame: &Frame,
         placed: &[Placed],
-        settings: DeepOpacityMap,
+        (technique, shape): (Shadow, Shape),
         camera: &LightCamera,
-        extent: f64,
         half_width: f64,
         gpu: &Gpu,
     ) -> Result<()> {
-        let texels = u64::from(settings.resolution).pow(2);
-        let front_shift = front_shift(half_width);
-        let fronts = u64::from(settings.resolution.div_ceil(1 << front_shift)).pow(2);
         let front_base = self.map_words;
-        let layer_base = front_base + fronts;
-        self.map_words = layer_base + texels * u64::from(settings.layers);
+        let layer_base = front_base + shape.fronts();
+        self.map_words = layer_base + u64::from(shape.resolution).pow(2) * u64::from(shape.layers);
         if self.map_words * 4 > gpu.max_binding() {
             return Err(Error::Unsupported(format!(
                 "the shadow maps of this frame take {} bytes; this device binds {}",
@@ -576,12 +605,14 @@ impl Plan {
             depth_row: vector(camera.depth_row),
             front_base: front_base as u32,
             layer_base: layer_base as u32,
-            front_shift,
+            front_shift: shape.front_shift.unwrap_or(0),
             padding_0: 0,
+            values: shape.values,
+            colour: shape.colour,
         };
         let seen = Seen {
             half_width_px: half_width,
-            length_px: f64::from(settings.resolution),
+            length_px: f64::from(shape.resolution),
             fragments: 0.0,
             depth: 0.0,
             bounds: [0.0; 4],
@@ -593,23 +624,23 @@ impl Plan {
                 clip_from_relative: matrix(camera.clip_from_relative),
                 eye: vector(camera.eye),
                 depth_row: vector(camera.depth_row),
-                viewport: [settings.resolution as f32; 2],
+                viewport: [shape.resolution as f32; 2],
                 splits: seen.splits(),
                 front_base: front_base as u32,
                 layer_base: layer_base as u32,
-                front_shift,
-                layer_count: settings.layers,
-                layer_extent: extent as f32,
-                row_end: settings.resolution,
+                layer_count: shape.layers,
+                front_shift: shape.front_shift.unwrap_or(0),
+                row_end: shape.resolution,
+                map_values: shape.values,
+                map_colour: shape.colour,
                 ..bytemuck::Zeroable::zeroed()
             },
         );
-        let rasteriser = settings.raster.choose(half_width);
         self.maps.push(PlannedMap {
             crosses: crosses(&camera.clip_from_relative, false, frame.hairs, placed),
-            settings,
-            front_shift,
-            rasteriser,
+            technique,
+            shape,
+            rasteriser: shape.raster.choose(half_width),
             drawings,
             splits: seen.splits(),
         });
@@ -722,27 +753,19 @@ fn transmissions(frame: &Frame, placed: &[Placed], origin: DVec3, eye: DVec4) ->
         let hair = placed.hair;
         let colour = frame.hairs[hair].geometry.brightest;
         frame.lights.iter().map(move |light| {
-            let (place, irradiance) = match light.kind {
-                LightKind::Directional {
-                    direction,
-                    irradiance,
-                } => (-direction.extend(0.0), irradiance.max_element()),
-                LightKind::Point {
-                    position,
-                    intensity,
-                } => {
-                    let near = ((position - origin).distance(centre) - radius).max(1e-30);
-                    let place = (position - origin).extend(1.0);
-                    (
-                        place,
-                        (f64::from(intensity.max_element()) / (near * near)) as f32,
-                    )
-                }
+            // Of a spot as if it shone in all directions.
+            let emitter = light.kind.emitter(origin);
+            let brightest = emitter.power.max_element();
+            let irradiance = if emitter.place.w == 0.0 {
+                brightest
+            } else {
+                let near = (emitter.place.truncate().distance(centre) - radius).max(1e-30);
+                (f64::from(brightest) / (near * near)) as f32
             };
             Transmission {
                 placed: number,
                 hair,
-                angle: greatest_angle(centre, radius, place, eye),
+                angle: greatest_angle(centre, radius, emitter.place, eye),
                 power: irradiance * colour,
             }
         })
@@ -803,280 +826,56 @@ fn plan_runs(
     Ok((runs, base))
 }
 
-/// The frame's technique, or what its hairs agree on.
-fn choose_transparency(frame: &Frame) -> Result<Transparency> {
-    if let Some(transparency) = frame.transparency {
-        return Ok(transparency);
+/// The host's shadow maps, with positions relative to an origin.
+fn occluders(target: &Target, origin: DVec3) -> [layout::Occluder; MAX_OCCLUDERS] {
+    let mut uniforms = [bytemuck::Zeroable::zeroed(); MAX_OCCLUDERS];
+    for (uniform, occluder) in uniforms.iter_mut().zip(target.occluders) {
+        *uniform = occluder.uniform(origin);
     }
-    agree(
-        "transparency",
-        frame.hairs.iter().map(|hair| hair.transparency),
-        Transparency::stem,
-    )
+    uniforms
 }
 
-/// The light's technique, or what the hairs agree on.
-fn choose_shadow(frame: &Frame, light: usize) -> Result<Shadow> {
-    if let Some(shadow) = frame.lights[light].shadow {
-        return Ok(shadow);
-    }
-    agree(
-        "shadow",
-        frame.hairs.iter().map(|hair| hair.shadow),
-        Shadow::stem,
-    )
+/// The first map of a light: its camera, the origin of relative space, the hair's depth range, and what it is made of.
+pub(crate) fn first_map(frame: &Frame, number: usize) -> Option<(LightCamera, DVec3, f64, Shape)> {
+    let origin = frame.view.origin();
+    let hairs = frame.hairs.iter().enumerate();
+    let placed: Vec<Placed> = hairs
+        .flat_map(|(number, hair)| place_all(number, hair, origin))
+        .collect();
+    let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
+    let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
+    let emitter = frame.lights[number].kind.emitter(origin);
+    let mut cameras = light_cameras(&emitter, &corners, radius);
+    let technique = choose_shadow(frame, number).ok()?;
+    let fibres = fibres(frame, &placed, technique.needs_density());
+    let shape = technique.shape(&Sight::new(&cameras, radius, fibres))?;
+    Some((cameras.views.swap_remove(0), origin, cameras.extent, shape))
 }
 
-/// The only wish, the default where nobody wishes, or an error.
-fn agree<T: Copy + PartialEq + Default>(
-    what: &str,
-    wishes: impl Iterator<Item = Option<T>>,
-    stem: fn(&T) -> &'static str,
-) -> Result<T> {
-    let mut agreed: Option<(usize, T)> = None;
-    for (number, wish) in wishes.enumerate() {
-        match (agreed, wish) {
-            (Some((first, a)), Some(b)) if a != b => {
-                return Err(Error::Conflict(format!(
-                    "hair {first} wishes for the {what} {} and hair {number} for {}, or with other settings; name one on \
-                     the frame",
-                    stem(&a),
-                    stem(&b)
-                )));
-            }
-            (None, Some(b)) => agreed = Some((number, b)),
-            _ => {}
-        }
-    }
-    Ok(agreed.map(|(_, wish)| wish).unwrap_or_default())
-}
-
-/// All hairs' model and rate; one of each a frame for now, parameters may differ.
-fn one_shader(frame: &Frame) -> Result<Shader> {
-    let Some(first) = frame.hairs.first() else {
-        return Ok(Shader::of(&Shading::default(), ShadingRate::default()));
-    };
-    for (number, hair) in frame.hairs.iter().enumerate() {
-        if hair.shading.stem() != first.shading.stem() {
-            return Err(Error::Conflict(format!(
-                "hair 0 has the shading {} and hair {number} {}",
-                first.shading.stem(),
-                hair.shading.stem()
-            )));
-        }
-        if hair.shading_rate != first.shading_rate {
-            return Err(Error::Conflict(format!(
-                "hair 0 has the shading rate {:?} and hair {number} {:?}",
-                first.shading_rate, hair.shading_rate
-            )));
-        }
-    }
-    let mut shader = Shader::of(&first.shading, first.shading_rate);
-    for hair in frame.hairs {
-        let own = Shader::of(&hair.shading, hair.shading_rate);
-        shader.one_material &= hair.shading == first.shading;
-        shader.varies |= own.varies;
-        if own.settings != shader.settings {
-            shader.settings = None;
-        }
-    }
-    Ok(shader)
-}
-
-/// How large the hair is on the screen.
-struct Seen {
-    half_width_px: f64,
-    length_px: f64,
-    fragments: f64,
-    /// Optical depth of all fragments together.
-    depth: f64,
-    /// Left, top, right and bottom of the hair in pixels, within the image.
-    bounds: [f64; 4],
-}
-
-impl Seen {
-    /// Optical depth of a covered pixel on average. A little less than half of the hair's bounds is covered: 22 % to 60 % over
-    /// the built-in grooms and five others.
-    fn mean_depth(&self) -> f64 {
-        const COVERED: f64 = 0.45;
-        let [left, top, right, bottom] = self.bounds;
-        let area = (right - left).max(1.0) * (bottom - top).max(1.0);
-        self.depth / (COVERED * area)
-    }
-
-    /// Invocations that share one segment, so that none walks too many pixels.
-    fn splits(&self) -> u32 {
-        let pixels = self.length_px * (2.0 * self.half_width_px + 3.0);
-        ((pixels / PIXELS_AN_INVOCATION).ceil() as u32).clamp(1, 64)
-    }
-}
-
-/// Bounds of fibre width and segment length on the screen, and an estimate of the fragments.
-fn view_size(
-    clip_from_relative: &DMat4,
-    placed: &[Placed],
-    frame: &Frame,
-    width: u32,
-    height: u32,
-) -> Seen {
-    let screen = f64::from(width.max(height));
-    let mut seen = Seen {
-        half_width_px: 0.0,
-        length_px: 0.0,
-        fragments: 0.0,
-        depth: 0.0,
-        bounds: [f64::INFINITY, f64::INFINITY, 0.0, 0.0],
-    };
-    let size = [f64::from(width), f64::from(height)];
+/// The fibres of all hairs; how densely they fill space only where that is asked for.
+fn fibres(frame: &Frame, placed: &[Placed], with_density: bool) -> Fibres {
+    let mut fibres = Fibres::default();
+    let (mut lengths, mut areas, mut volumes) = (0.0, 0.0, 0.0);
     for placed in placed {
         let hair = frame.hairs[placed.hair];
-        if hair.geometry.segment_count == 0 {
-            continue;
+        let opacity = f64::from(hair.opacity);
+        let length = hair.geometry.length * placed.scale;
+        let mut diameter = 2.0 * placed.radius;
+        if with_density {
+            let density = hair.geometry.density();
+            diameter = density.diameter * placed.scale;
+            volumes += density.volume * placed.scale.powi(3);
         }
-        // Pixels a unit of length: the rows' lengths are the focal lengths, w the distance.
-        let focal = (0..2)
-            .map(|axis| {
-                clip_from_relative.row(axis).truncate().length()
-                    * 0.5
-                    * f64::from([width, height][axis])
-            })
-            .fold(0.0f64, f64::max);
-        let distance = |p: &DVec3| clip_from_relative.row(3).dot(p.extend(1.0));
-        let nearest = placed
-            .corners
-            .iter()
-            .map(distance)
-            .fold(f64::INFINITY, f64::min);
-        let middle = placed.corners.iter().map(distance).sum::<f64>() / 8.0;
-        let diagonal = placed.corners[0].distance(placed.corners[7]);
-        let parallel = clip_from_relative.row(3).truncate().length() < 1e-12;
-        let px = |distance: f64| {
-            if parallel {
-                focal / distance
-            } else {
-                focal / distance.max(diagonal * 1e-3).max(f64::MIN_POSITIVE)
-            }
-        };
-        let longest = (diagonal * px(nearest)).min(2.0 * screen);
-        seen.half_width_px = seen
-            .half_width_px
-            .max((placed.radius * px(nearest)).min(screen));
-        seen.length_px = seen.length_px.max(longest);
-        // A fibre of width w touches w + 4/π pixels a pixel of length on average; what leaves the screen is not counted.
-        let middle_px = px(middle.max(nearest));
-        let inside = (screen * screen / (diagonal * middle_px).powi(2)).min(1.0);
-        let length = hair.geometry.length * placed.scale * middle_px;
-        let touched = 2.0 * placed.radius * middle_px + 1.28;
-        let fragments = length * touched * inside.max(0.05);
-        let opacity = f64::from(hair.opacity) * (1.0 - 1.28 / touched);
-        seen.fragments += fragments;
-        seen.depth += fragments * -(1.0 - opacity).max(1e-7).ln();
-        for corner in placed.corners {
-            let clip = *clip_from_relative * corner.extend(1.0);
-            // What reaches behind the eye may be anywhere.
-            let at = |axis: usize, sign: f64| {
-                let middle = 0.5 + 0.5 * sign * clip[axis] / clip.w;
-                middle.clamp(0.0, 1.0) * size[axis]
-            };
-            let places = if clip.w > 0.0 {
-                [[at(0, 1.0), at(1, -1.0)]; 2]
-            } else {
-                [[0.0; 2], size]
-            };
-            for place in places {
-                for (axis, at) in place.into_iter().enumerate() {
-                    seen.bounds[axis] = seen.bounds[axis].min(at);
-                    seen.bounds[axis + 2] = seen.bounds[axis + 2].max(at);
-                }
-            }
-        }
+        lengths += length;
+        areas += length * diameter;
+        fibres.opacity += opacity * length * diameter;
     }
-    seen
-}
-
-/// The coefficients that take a stored depth to its place between the hair's nearest and farthest distance along the view's
-/// axis, 0 to 1: (x depth + y) / (z depth + w).
-fn place_of_depth(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> [f32; 4] {
-    let [depth_row, w_row] = [clip_from_relative.row(2), clip_from_relative.row(3)];
-    let corners = || {
-        let points = placed.iter().flat_map(|placed| placed.corners);
-        points.map(|p| (depth_row.dot(p.extend(1.0)), w_row.dot(p.extend(1.0))))
-    };
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-            [low.min(value), high.max(value)]
-        })
-    };
-    let axis = w_row.truncate();
-    // Depth × w = a w + b, as of every projection whose near plane is perpendicular to the axis.
-    let a = depth_row.truncate().dot(axis) / axis.length_squared();
-    let b = depth_row.w - a * w_row.w;
-    let perspective = axis.length() > 1e-12 && b != 0.0;
-    let [p, q, r, s] = if perspective {
-        let [mut near, far] = range(&mut corners().map(|(_, w)| w));
-        // What lies before the near plane, whose depth is 0 or 1, is not seen.
-        let planes = [b / -a, b / (1.0 - a)].into_iter();
-        near = near.max(planes.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min));
-        [-near, b + near * a, far - near, (near - far) * a]
-    } else {
-        let [low, high] = range(&mut corners().map(|(depth, _)| depth));
-        let [near, far] = if reverse_z { [high, low] } else { [low, high] };
-        [1.0, -near, 0.0, far - near]
-    };
-    let found = [p, q, r, s].map(|value| value as f32);
-    let extended = found.iter().all(|value| value.is_finite()) && (r != 0.0 || s != 0.0);
-    if extended {
-        found
-    } else {
-        [0.0, 0.0, 0.0, 1.0]
+    let over = |sum: f64, by: f64| if by > 0.0 { sum / by } else { 0.0 };
+    Fibres {
+        opacity: over(fibres.opacity, areas),
+        diameter: over(areas, lengths),
+        area_density: over(areas, volumes),
     }
-}
-
-/// Bounds of the depth keys (see `depth_key` in WGSL) of all hair in a view.
-fn key_range(clip_from_relative: &DMat4, placed: &[Placed], reverse_z: bool) -> [u32; 2] {
-    /// Keys by which single precision may miss a corner.
-    const MARGIN: u32 = 64;
-    let farthest = 1.0f32.to_bits();
-    let key = |p: &DVec3| {
-        let clip = |row| clip_from_relative.row(row).dot(p.extend(1.0));
-        let depth = (clip(2) / clip(3)).clamp(0.0, 1.0) as f32;
-        // A corner behind the eye: anything may be before it.
-        (clip(3) > 0.0).then(|| match reverse_z {
-            true => farthest - depth.to_bits(),
-            false => depth.to_bits(),
-        })
-    };
-    let keys: Option<Vec<u32>> = placed
-        .iter()
-        .flat_map(|hair| &hair.corners)
-        .map(key)
-        .collect();
-    let Some((first, last)) =
-        keys.and_then(|keys| keys.iter().copied().min().zip(keys.into_iter().max()))
-    else {
-        return [0, farthest];
-    };
-    [
-        first.saturating_sub(MARGIN),
-        last.saturating_add(MARGIN).min(farthest),
-    ]
-}
-
-/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value; and
-/// by how many where the DBK-buffer's bins are placed.
-fn key_packing([first, last]: [u32; 2], point_count: u64) -> u32 {
-    /// Opacity and place along the segment, `K_PLUS_VALUE_BITS` in WGSL; and the least bits of a point.
-    const VALUE_BITS: u32 = 19;
-    const LEAST_POINT_BITS: u32 = 13;
-    /// Of a bin's place, `DBK_FIRST_MAX` in WGSL.
-    const BIN_BITS: u32 = 17;
-    let bits = |value: u64| u64::BITS - value.leading_zeros();
-    let point_bits = bits(point_count).max(LEAST_POINT_BITS);
-    let key_bits = 64 - VALUE_BITS - point_bits;
-    // The greatest key is left out: all ones is an empty word.
-    let all_bits = bits(u64::from(last - first) + 2);
-    let shift = all_bits.saturating_sub(key_bits);
-    shift | point_bits << 8 | all_bits.saturating_sub(BIN_BITS) << 16
 }
 
 /// Steps a unit of radiance of the tail's fixed-point colours: 2¹⁶ for the brightest that the lights should make.
@@ -1088,6 +887,11 @@ fn tail_scale(frame: &Frame, placed: &[Placed], origin: DVec3) -> f32 {
             LightKind::Point {
                 position,
                 intensity,
+            }
+            | LightKind::Spot {
+                position,
+                intensity,
+                ..
             } => {
                 let nearest = placed
                     .iter()

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::error::{Error, Result};
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, ImageAllocation, Passes};
-use crate::layout::{Counters, ORDER_KEYS, PointOutput, Projected};
+use crate::layout::{Counters, MAX_OCCLUDERS, ORDER_KEYS, PointOutput, Projected};
+use crate::occluder::Occluder;
 use crate::plan::{Plan, part_capacity};
 use crate::raster::Rasteriser;
 use crate::shading::{ShadingRate, tables, transmission};
@@ -62,6 +63,9 @@ struct Slot {
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
     depth: Option<(wgpu::Texture, Subresource)>,
+    /// The host's shadow maps, and what binds them.
+    occluding: Vec<(wgpu::Texture, Subresource)>,
+    occluders: Option<wgpu::BindGroup>,
 }
 
 /// One run's bind groups.
@@ -131,6 +135,8 @@ pub(crate) struct Bound<'a> {
     pub tables_read: Option<&'a wgpu::BindGroup>,
     pub maps_written: &'a wgpu::BindGroup,
     pub maps_read: &'a wgpu::BindGroup,
+    /// Where the host has shadow maps.
+    pub occluders: Option<&'a wgpu::BindGroup>,
     pub pixels_written: &'a wgpu::BindGroup,
     pub pixels: &'a Pixels,
     pixels_read: &'a wgpu::BindGroup,
@@ -288,6 +294,8 @@ impl Resources {
                     frame: None,
                     frame_without_depth: None,
                     depth: None,
+                    occluding: Vec::new(),
+                    occluders: None,
                 })
             })
             .collect::<Result<Vec<_>>>()?;
@@ -455,6 +463,9 @@ impl Resources {
             plan.map_words * 4,
             generation,
         )?;
+        if plan.shadows_only {
+            return Ok(());
+        }
         let pixels = plan
             .bands
             .iter()
@@ -562,13 +573,10 @@ impl Resources {
     /// The attachment of ribbons, as large as the largest image that they draw.
     fn grow_attachment(&mut self, gpu: &Gpu, plan: &Plan) {
         let view = [(plan.rasteriser, plan.width, plan.height)];
-        let maps = plan.maps.iter().map(|map| {
-            (
-                map.rasteriser,
-                map.settings.resolution,
-                map.settings.resolution,
-            )
-        });
+        let maps = plan
+            .maps
+            .iter()
+            .map(|map| (map.rasteriser, map.shape.resolution, map.shape.resolution));
         let sizes = view
             .into_iter()
             .chain(maps)
@@ -881,12 +889,41 @@ impl Resources {
             slot.frame_without_depth = Some(bind(none));
             slot.depth = depth.map(|depth| (depth.texture.clone(), depth.at));
         }
+        let given = target.occluders.iter().map(Occluder::surface);
+        let held = slot.occluding.iter();
+        let held = held.map(|(texture, at)| Surface { texture, at: *at });
+        if !held.eq(given.clone()) {
+            slot.occluding = given
+                .clone()
+                .map(|map| (map.texture.clone(), map.at))
+                .collect();
+            slot.occluders = (!slot.occluding.is_empty()).then(|| {
+                let none = Surface {
+                    texture: &self.no_depth,
+                    at: Subresource::default(),
+                };
+                let views: Vec<_> = given
+                    .chain(std::iter::repeat(none))
+                    .take(MAX_OCCLUDERS)
+                    .map(|map| map.view(wgpu::TextureAspect::DepthOnly))
+                    .collect();
+                let views: Vec<_> = views
+                    .iter()
+                    .map(wgpu::BindingResource::TextureView)
+                    .collect();
+                gpu.bind("pelage.occluders", Group::Occluders, &views)
+            });
+        }
         slot.bands = plan.bands.len() as u64;
         let fragments = plan.transparency.needs(0).fragments;
         slot.pool = fragments.pooled();
         slot.lists = fragments.linked();
         slot.capacity = self.capacity;
-        slot.fills = self.tables.to_fill();
+        slot.fills = if plan.shadows_only {
+            0
+        } else {
+            self.tables.to_fill()
+        };
         slot.sorts = if plan.sort { self.found.number } else { 0 };
         Ok(())
     }
@@ -908,6 +945,7 @@ impl Resources {
             tables_read: groups.tables_read.as_ref(),
             maps_written: &groups.maps_written,
             maps_read: &groups.maps_read,
+            occluders: slot.occluders.as_ref(),
             pixels_written: &groups.pixels_written,
             pixels_read: &groups.pixels_read,
             sorted: groups.sorted.as_ref(),
@@ -931,6 +969,15 @@ impl Resources {
                 encoder.clear_buffer(&self.maps.buffer, 0, Some(plan.map_words * 4));
             });
         }
+    }
+
+    /// Counters of a frame that draws no hair.
+    pub fn keep_nothing(&self, passes: &mut Passes, bound: &Bound, plan: &Plan) {
+        passes.encode("pelage.counters", |encoder| bound.clear_counters(encoder));
+        for band in &plan.bands {
+            bound.keep_counters(passes, band.number);
+        }
+        self.read_counters(passes);
     }
 
     /// Sends the frame's counters on their way back to the host; they arrive some frames later.

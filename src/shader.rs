@@ -26,6 +26,8 @@ files![
     "common/scan",
     "common/spread",
     "common/tiles",
+    "common/light",
+    "common/host_position",
     "common/track",
     "raster/walk",
     "raster/ribbons",
@@ -47,10 +49,29 @@ files![
     "shading/sadeghi",
     "shading/chiang",
     "shadow/none",
+    "shadow/map",
+    "shadow/own",
+    "shadow/front",
+    "shadow/map_emit",
+    "shadow/nearest",
+    "shadow/nearest_emit",
+    "shadow/shadow_map",
+    "shadow/approximated_deep_shadow_map",
+    "shadow/opacity_shadow_maps",
+    "shadow/opacity_shadow_maps_common",
+    "shadow/opacity_shadow_maps_emit",
+    "shadow/opacity_shadow_maps_sum",
     "shadow/deep_opacity_map",
     "shadow/deep_opacity_map_common",
     "shadow/deep_opacity_map_emit",
     "shadow/deep_opacity_map_prefix",
+    "shadow/moment_opacity_map",
+    "shadow/moment_opacity_map_common",
+    "shadow/moment_opacity_map_emit",
+    "shadow/k_buffer_volume",
+    "shadow/k_buffer_volume_common",
+    "shadow/k_buffer_volume_emit",
+    "shadow/k_buffer_volume_prefix",
     "transparency/emit_common",
     "transparency/nearest",
     "transparency/nearest_emit",
@@ -110,6 +131,10 @@ files![
     "guided_frames",
     "guided_clumps",
     "receive",
+    "occluder",
+    "occluder_none",
+    "shadow_image",
+    "shadow_image_none",
     "outputs",
     "outputs_none",
 ];
@@ -158,9 +183,10 @@ impl Module {
 
     pub fn join(&self) -> Joined {
         let mut source = format!(
-            "const MAX_LIGHTS: u32 = {}u;\nconst MAX_SHADOW_VIEWS: u32 = {}u;\n",
+            "const MAX_LIGHTS: u32 = {}u;\nconst MAX_SHADOW_VIEWS: u32 = {}u;\nconst MAX_OCCLUDERS: u32 = {}u;\n",
             layout::MAX_LIGHTS,
-            layout::MAX_SHADOW_VIEWS
+            layout::MAX_SHADOW_VIEWS,
+            layout::MAX_OCCLUDERS
         );
         for (name, constant) in &self.constants {
             source += &match constant {

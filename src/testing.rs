@@ -13,7 +13,11 @@ use crate::shading::{
     Scheuermann, Shader, Shading, ShadingRate, Tables, evaluator, gather_module, tables,
     transmission,
 };
-use crate::shadow::deep_opacity_map;
+use crate::shadow::{
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap, approximated_deep_shadow_map, deep_opacity_map, k_buffer_volume,
+    moment_opacity_map, opacity_shadow_maps, shadow_map,
+};
 use crate::transparency::{
     ABuffer, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment, Opaque,
     RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, WeightedBlended,
@@ -37,6 +41,45 @@ pub fn models() -> [Shading; 5] {
         Shading::Sadeghi(Sadeghi::default()),
         Shading::Chiang(Chiang::default()),
     ]
+}
+
+/// Every shadow technique, with its defaults.
+pub fn shadows() -> [Shadow; 7] {
+    [
+        Shadow::None,
+        Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        Shadow::ShadowMap(ShadowMap::default()),
+        Shadow::ApproximatedDeepShadowMap(ApproximatedDeepShadowMap::default()),
+        Shadow::OpacityShadowMaps(OpacityShadowMaps::default()),
+        Shadow::MomentOpacityMap(MomentOpacityMap::default()),
+        Shadow::KBufferVolume(KBufferVolume::default()),
+    ]
+}
+
+/// A light's first map.
+pub struct LightMap {
+    pub clip_from_world: glam::DMat4,
+    /// Depth along the map's axis = dot(depth_row, (position, 1)), in world space.
+    pub depth_row: glam::DVec4,
+    /// Depth range of the hair.
+    pub extent: f64,
+    /// How much nearer to the light than it is a point is taken to be.
+    pub bias: f64,
+    /// The technique's values.
+    pub values: [f32; 4],
+}
+
+/// How a light of a frame sees the hair; `None` without a map.
+pub fn light_map(frame: &crate::Frame, light: usize) -> Option<LightMap> {
+    let (camera, origin, extent, shape) = crate::plan::first_map(frame, light)?;
+    let row = camera.depth_row;
+    Some(LightMap {
+        clip_from_world: camera.clip_from_relative * glam::DMat4::from_translation(-origin),
+        depth_row: row.truncate().extend(row.w - row.truncate().dot(origin)),
+        extent,
+        bias: shape.bias,
+        values: shape.values,
+    })
 }
 
 /// Every model with each of its settings that has shaders of its own.
@@ -156,6 +199,11 @@ pub fn transmission_bound(shading: &Shading, angle: f64) -> Option<f32> {
     Some(transmission::look_up(&bound, angle))
 }
 
+/// A shadow technique's look-up, `shadow_texel` and all beneath it, behind the common files.
+pub fn shadow_source(shadow: &Shadow) -> String {
+    shadow.module().join().source
+}
+
 /// Every module that the crate can build.
 pub fn combinations() -> Vec<Combination> {
     let mut modules: Vec<(String, Module)> = Vec::new();
@@ -183,7 +231,14 @@ pub fn combinations() -> Vec<Combination> {
         .chain(&kept)
         .chain(&moment::EMISSIONS)
         .chain(&dbk_buffer::EMISSIONS)
-        .chain(&deep_opacity_map::EMISSIONS);
+        .chain(&deep_opacity_map::EMISSIONS)
+        .chain([
+            &shadow_map::DEPTH,
+            &approximated_deep_shadow_map::DEPTH,
+            &opacity_shadow_maps::SLABS,
+        ])
+        .chain(&moment_opacity_map::EMISSIONS)
+        .chain(&k_buffer_volume::EMISSIONS);
     for emission in emissions {
         for rasteriser in ["raster/walk", "raster/ribbons"] {
             for rate in [ShadingRate::Point, ShadingRate::Fragment] {
@@ -294,19 +349,31 @@ pub fn combinations() -> Vec<Combination> {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
     }
-    for shadowed in [false, true] {
+    for shadow in shadows() {
         for shader in shaders() {
             let shader = Shader {
-                shadowed,
-                one_material: shadowed && shader.settings.is_some(),
+                shadow: shadow.look_up(),
+                one_material: shadow != Shadow::None && shader.settings.is_some(),
                 ..shader
             };
-            let name = format!("{}, {}, shadowed {shadowed}", shader.label, detail(&shader));
-            if shader.settings.is_some() {
-                modules.push((format!("points {name}"), shader.points_module()));
-            }
-            // Techniques are the same to all shaders of a model.
+            // Shadow techniques are the same to all shaders of a model, and so are transparency techniques.
             let usual = shader.settings.is_some() && shader.transmits && !shader.varies;
+            let known = matches!(shadow, Shadow::None | Shadow::DeepOpacityMap(_));
+            if !(usual || known) {
+                continue;
+            }
+            let name = format!(
+                "{}, {}, shadow {}",
+                shader.label,
+                detail(&shader),
+                shadow.stem()
+            );
+            if shader.settings.is_some() {
+                for occluded in [false, true] {
+                    let module = Shader { occluded, ..shader }.points_module();
+                    modules.push((format!("points {name}, occluded {occluded}"), module));
+                }
+            }
             for (technique_name, technique) in &techniques {
                 if !technique.shades_fragments() || !(usual || *technique_name == "counted") {
                     continue;
@@ -315,6 +382,16 @@ pub fn combinations() -> Vec<Combination> {
                 modules.push((format!("composite {technique_name}, {name}"), module));
             }
         }
+    }
+    for shadow in shadows().iter().filter(|shadow| **shadow != Shadow::None) {
+        modules.push((
+            format!("receive {}", shadow.stem()),
+            composite::receive_module(shadow),
+        ));
+        modules.push((
+            format!("shadow_image {}", shadow.stem()),
+            shadow.module().and(composite::SHADOW_IMAGE),
+        ));
     }
     modules.push(("fibre_points".into(), gather_module()));
     for model in variants() {
@@ -343,12 +420,16 @@ pub fn combinations() -> Vec<Combination> {
                 .with("REVERSE_Z", Constant::Bool(reverse)),
         ));
     }
+    for (name, files) in [
+        ("deep_opacity_map prefix", deep_opacity_map::PREFIX),
+        ("opacity_shadow_maps sum", opacity_shadow_maps::SUM),
+        ("k_buffer_volume prefix", k_buffer_volume::PREFIX),
+    ] {
+        modules.push((name.into(), Module::new(files)));
+    }
     modules.push((
-        "prefix".into(),
-        Module::new(&[
-            "shadow/deep_opacity_map_common",
-            "shadow/deep_opacity_map_prefix",
-        ]),
+        "shadow_image_none".into(),
+        Module::new(composite::SHADOW_IMAGE_NONE),
     ));
     modules.push(("sort".into(), sorted_blending::sort_module()));
     modules.push(("blend".into(), sorted_blending::draw_module()));
@@ -357,7 +438,6 @@ pub fn combinations() -> Vec<Combination> {
         "overflow".into(),
         Module::new(&["transparency/overflow", "transparency/a_buffer_overflow"]),
     ));
-    modules.push(("receive".into(), composite::receive_module()));
     modules
         .into_iter()
         .map(|(name, module)| Combination {
@@ -410,19 +490,21 @@ pub fn layouts() -> Vec<Layout> {
     layouts! {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
-            point_base, flags, splits, front_base, layer_base, layer_count, layer_extent, row_first, row_end,
-            padding_1, front_shift, clip_from_object, previous_clip_from_object, jitter_motion, hair,
-            chunk_base, fibre_run, fibre_run_number, largest_radius, padding_0,
+            point_base, flags, splits, front_base, layer_base, layer_count, front_shift, row_first, row_end,
+            chunk_base, hair, map_values, map_colour, clip_from_object, previous_clip_from_object, jitter_motion,
+            fibre_run, fibre_run_number, largest_radius, padding_0, padding_1, padding_2,
         }
         Light {
-            place, power, map_count, map_first, resolution, pcf, layer_count, layer_extent, bias, padding_0, padding_1,
+            place, power, map_count, map_first, resolution, pcf, layer_count, bias, cos_outer, edge,
+            padding_0, axis, padding_1,
         }
-        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0 }
+        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values, colour }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
             part_capacity, origin, cut_depth, depth_shift, fibre_runs, seed, key_first, key_packing, place_of_depth, technique,
-            lights, shadow_views,
+            occluder_count, padding_0, padding_1, padding_2, lights, shadow_views, occluders,
         }
+        Occluder { clip_from_relative, light, pcf, bias, flags }
         Material { values }
         Sample { tangent, coordinate, to_light, transmittance, to_eye, fibres, colour, strand, across, padding_0, padding_1 }
         Counters { produced, culled, stored, merged, overflow, covered, crowded, padding_0, walk_arguments, ribbon_arguments }
@@ -446,6 +528,8 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
     vec![
         ("MAX_LIGHTS", layout::MAX_LIGHTS as u32),
         ("MAX_SHADOW_VIEWS", layout::MAX_SHADOW_VIEWS as u32),
+        ("MAX_OCCLUDERS", layout::MAX_OCCLUDERS as u32),
+        ("OCCLUDER_REVERSE_Z", layout::OCCLUDER_REVERSE_Z),
         ("DRAWING_DEPTH_OVER_W", layout::DRAWING_DEPTH_OVER_W),
         ("DRAWING_REVERSE_Z", layout::DRAWING_REVERSE_Z),
         ("DRAWING_HOST_DEPTH", layout::DRAWING_HOST_DEPTH),

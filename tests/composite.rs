@@ -10,7 +10,7 @@ use pelage::{Frame, Hair, Light, Statistics, Target, View, wgpu};
 use pelage_reference::composite::{Image, nearest_depth};
 
 use crate::common::images::{
-    FORMAT, Tolerance, assert_close, image, pixels, read, render, write_failure,
+    FORMAT, Tolerance, assert_close, image, pixels, read, render, write_depth, write_failure,
 };
 use crate::common::scenes::{
     A_BUFFERS, WHITE, a_buffer, lists, pixel_view, portrait, reference, reversed, unshadowed,
@@ -38,86 +38,6 @@ fn lights() -> [Light; 1] {
         DVec3::new(-0.5, -0.6, -0.7),
         Vec3::new(2.0, 1.9, 1.7),
     )]
-}
-
-/// Writes depths row by row with a render pass of the host's: a fragment shader over the whole target.
-fn write_depth(device: &Device, depth: &wgpu::Texture, values: &[f32]) {
-    let (gpu, queue) = (device.renderer.device(), device.renderer.queue());
-    let source = "
-        @group(0) @binding(0) var<storage, read> depths: array<f32>;
-        @vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-            return vec4f(vec2f(f32((i << 1u) & 2u), f32(i & 2u)) * 2.0 - 1.0, 0.0, 1.0);
-        }
-        @fragment fn fragment(@builtin(position) p: vec4f) -> @builtin(frag_depth) f32 {
-            return depths[u32(p.y) * WIDTH + u32(p.x)];
-        }";
-    let source = format!("const WIDTH: u32 = {}u;\n{source}", depth.width());
-    let module = gpu.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("test.depth"),
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    let pipeline = gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("test.depth"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: depth.format(),
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
-    let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("test.depth"),
-        size: values.len() as u64 * 4,
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    queue.write_buffer(&buffer, 0, bytemuck::cast_slice(values));
-    let group = gpu.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("test.depth"),
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: buffer.as_entire_binding(),
-        }],
-    });
-    let view = depth.create_view(&Default::default());
-    let mut encoder = gpu.create_command_encoder(&Default::default());
-    {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("test.depth"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &view,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Load,
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
-    }
-    queue.submit([encoder.finish()]);
 }
 
 /// A target with an opaque scene of one colour at these depths.

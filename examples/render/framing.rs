@@ -155,9 +155,19 @@ pub fn lights(scene: &Scene, framing: &Framing) -> (Vec<Light>, Vec3) {
     for key in keys {
         ambient += key.ambient.map_or(Vec3::ZERO, Vec3::from);
         if let (Some(position), Some(intensity)) = (key.position, key.intensity) {
-            let kind = LightKind::Point {
-                position: position.into(),
-                intensity: intensity.into(),
+            let (position, intensity) = (position.into(), intensity.into());
+            let kind = match (key.cone_deg, key.direction) {
+                (Some([inner, outer]), Some(direction)) => LightKind::Spot {
+                    position,
+                    direction: direction.into(),
+                    intensity,
+                    inner_angle: inner.to_radians(),
+                    outer_angle: outer.to_radians(),
+                },
+                _ => LightKind::Point {
+                    position,
+                    intensity,
+                },
             };
             lights.push(Light { kind, shadow });
         } else if key.direction.is_some() || key.irradiance.is_some() || key.ambient.is_none() {

@@ -3,8 +3,10 @@
 struct Light {
     // Towards the light (w = 0), or the light's place relative to the eye (w = 1).
     place: vec4f,
-    // Irradiance, or intensity.
+    // Irradiance, or intensity; w: the cosine of a spot's outer angle.
     power: vec4f,
+    // A spot's axis; w: one over the difference of the inner and the outer angle's cosines.
+    axis: vec4f,
 }
 
 struct Scene {
@@ -42,7 +44,8 @@ fn lambert(vertex: Vertex) -> @location(0) vec4f {
         let to_light = light.place.xyz - vertex.place * light.place.w;
         let distance = max(length(to_light), 1e-20);
         let falloff = select(1.0, 1.0 / (distance * distance), light.place.w > 0.0);
-        irradiance += light.power.xyz * falloff * max(dot(normal, to_light / distance), 0.0);
+        let t = saturate((-dot(light.axis.xyz, to_light / distance) - light.power.w) * light.axis.w);
+        irradiance += light.power.xyz * falloff * t * t * (3.0 - 2.0 * t) * max(dot(normal, to_light / distance), 0.0);
     }
     return vec4f(scene.albedo.xyz * irradiance / 3.14159265, 1.0);
 }

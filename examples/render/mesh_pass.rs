@@ -17,6 +17,7 @@ const FILL: f32 = 0.04;
 struct LightUniform {
     place: Vec4,
     power: Vec4,
+    axis: Vec4,
 }
 
 #[repr(C)]
@@ -141,6 +142,9 @@ impl MeshPass {
     }
 }
 
+/// Cosine of a cone that holds every direction, and how fast it ends.
+const EVERYWHERE: [f32; 2] = [-2.0, 1.0];
+
 /// What the shader reads; lights and places relative to the eye.
 fn scene_uniform(scenery: &Scenery) -> SceneUniform {
     let view = scenery.view.view_from_world * DMat4::from_translation(scenery.eye);
@@ -155,7 +159,8 @@ fn scene_uniform(scenery: &Scenery) -> SceneUniform {
                 fill += FILL * irradiance / std::f32::consts::PI;
                 LightUniform {
                     place: (-direction).as_vec3().extend(0.0),
-                    power: irradiance.extend(0.0),
+                    power: irradiance.extend(EVERYWHERE[0]),
+                    axis: Vec3::ZERO.extend(EVERYWHERE[1]),
                 }
             }
             LightKind::Point {
@@ -163,8 +168,23 @@ fn scene_uniform(scenery: &Scenery) -> SceneUniform {
                 intensity,
             } => LightUniform {
                 place: (position - scenery.eye).as_vec3().extend(1.0),
-                power: intensity.extend(0.0),
+                power: intensity.extend(EVERYWHERE[0]),
+                axis: Vec3::ZERO.extend(EVERYWHERE[1]),
             },
+            LightKind::Spot {
+                position,
+                direction,
+                intensity,
+                inner_angle,
+                outer_angle,
+            } => {
+                let edge = (inner_angle.cos() - outer_angle.cos()).max(1e-6).recip();
+                LightUniform {
+                    place: (position - scenery.eye).as_vec3().extend(1.0),
+                    power: intensity.extend(outer_angle.cos()),
+                    axis: direction.normalize().as_vec3().extend(edge),
+                }
+            }
         };
     }
     let count = scenery.lights.len().min(MAX_LIGHTS);

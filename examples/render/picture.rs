@@ -348,5 +348,20 @@ fn light_settings(light: &Light) -> Value {
         } => {
             json!({ "position": position.to_array(), "intensity": numbers(intensity) })
         }
+        LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => {
+            let cone = [inner_angle, outer_angle].map(|angle| f64::from(angle).to_degrees());
+            json!({
+                "position": position.to_array(),
+                "direction": direction.to_array(),
+                "intensity": numbers(intensity),
+                "cone_deg": cone,
+            })
+        }
     }
 }

@@ -81,18 +81,20 @@ impl Default for Camera {
     }
 }
 
-/// One light; `position` and `intensity` make it a point light.
+/// One light; `position` and `intensity` make it a point light, `cone_deg` too a spot.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Light {
-    /// The way the light travels.
+    /// The way the light travels; a spot's axis.
     pub direction: Option<[f64; 3]>,
     /// Irradiance on a plane that faces the light.
     pub irradiance: Option<[f32; 3]>,
-    /// The position of a point light.
+    /// The position of a point light or a spot.
     pub position: Option<[f64; 3]>,
-    /// The radiant intensity of a point light.
+    /// The radiant intensity of a point light or a spot.
     pub intensity: Option<[f32; 3]>,
+    /// The angles from a spot's axis up to which it has all of its intensity, and from which on it has none.
+    pub cone_deg: Option<[f32; 2]>,
     /// Radiance of a uniform environment, added to the scene's own.
     pub ambient: Option<[f32; 3]>,
 }
@@ -328,8 +330,13 @@ fn lights(value: Value) -> Result<Vec<Light>> {
 
 fn light(place: &str, value: Value) -> Result<Light> {
     let light: Light = typed(place, value)?;
-    let is_point = light.position.is_some() || light.intensity.is_some();
-    if is_point && (light.direction.is_some() || light.irradiance.is_some()) {
+    let is_spot = light.cone_deg.is_some();
+    let is_point = is_spot || light.position.is_some() || light.intensity.is_some();
+    if is_spot && light.direction.is_none() {
+        return Err(format!("{place}.direction is missing"));
+    }
+    let directed = light.direction.is_some() && !is_spot;
+    if is_point && (directed || light.irradiance.is_some()) {
         return Err(format!(
             "{place} has keys of a point light (position, intensity) and of a directional one (direction, irradiance)"
         ));

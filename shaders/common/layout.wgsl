@@ -21,33 +21,36 @@ struct Drawing {
     flags: u32,
     // Workgroups that share one segment's pixels (wide fibres).
     splits: u32,
-    // First word of this light's fronts and of its layers in the shadow maps, and layers a texel.
+    // First word of this map's fronts and of its layers in the shadow maps, and words a texel of the latter.
     front_base: u32,
     layer_base: u32,
     layer_count: u32,
-    // Depth beyond the front at which the last layer ends, in host units along the light's axis.
-    layer_extent: f32,
+    // Blocks of 1 << front_shift texels a side share one front.
+    front_shift: u32,
     // Rows of the view that this pass treats; pooled pixels are numbered from `row_first`.
     row_first: u32,
     row_end: u32,
-    padding_1: u32,
-    // Blocks of 1 << front_shift texels a side share one front.
-    front_shift: u32,
+    // The run's first chunk in the sort of sorted blending.
+    chunk_base: u32,
+    // The hair's place in the frame, and its instance in the upper 16 bits.
+    hair: u32,
+    // The shadow technique's values, in the order in which its files read them.
+    map_values: vec4f,
+    // What its fibres do to each channel.
+    map_colour: vec4f,
     // Clip space of this frame and of the one before, y up, from the object space of this frame's and that one's points.
     clip_from_object: mat4x4f,
     previous_clip_from_object: mat4x4f,
     // How much of a point's motion is the views' jitter, in pixels.
     jitter_motion: vec2f,
-    // The hair's place in the frame, and its instance in the upper 16 bits.
-    hair: u32,
-    // The run's first chunk in the sort of sorted blending.
-    chunk_base: u32,
     // Where per-fragment shading keeps the run's parameters, in vectors; the run's number; the hair's largest radius, in
     // relative space.
     fibre_run: u32,
     fibre_run_number: u32,
     largest_radius: f32,
     padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 const DRAWING_DEPTH_OVER_W: u32 = 1u;
@@ -68,11 +71,16 @@ struct Light {
     resolution: u32,
     // Width of the filter in texels.
     pcf: u32,
+    // Words a texel of the maps' layers.
     layer_count: u32,
-    layer_extent: f32,
     // Depth by which a shaded point is moved towards the light.
     bias: f32,
+    // Of a spot: the cosine of the angle from which on nothing is lit, one over how much higher that is where all is, and
+    // the axis; of others the axis is zero, and everything is lit.
+    cos_outer: f32,
+    edge: f32,
     padding_0: f32,
+    axis: vec3f,
     padding_1: f32,
 }
 
@@ -80,11 +88,28 @@ struct ShadowView {
     clip_from_relative: mat4x4f,
     // Distance along the map's axis = dot(depth_row, position).
     depth_row: vec4f,
+    // As in the map's drawings.
     front_base: u32,
     layer_base: u32,
     front_shift: u32,
     padding_0: u32,
+    values: vec4f,
+    colour: vec4f,
 }
+
+// A shadow map of the host's.
+struct Occluder {
+    clip_from_relative: mat4x4f,
+    // The light's number.
+    light: u32,
+    // Width of the filter in texels.
+    pcf: u32,
+    // How far a point is moved towards the light.
+    bias: f32,
+    flags: u32,
+}
+
+const OCCLUDER_REVERSE_Z: u32 = 1u;
 
 struct Frame {
     ambient: vec3f,
@@ -122,8 +147,13 @@ struct Frame {
     place_of_depth: vec4f,
     // Settings of the transparency technique, in the order in which its files read them.
     technique: vec4f,
+    occluder_count: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
     lights: array<Light, MAX_LIGHTS>,
     shadow_views: array<ShadowView, MAX_SHADOW_VIEWS>,
+    occluders: array<Occluder, MAX_OCCLUDERS>,
 }
 
 const FRAME_REVERSE_Z: u32 = 1u;

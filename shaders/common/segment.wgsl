@@ -7,7 +7,7 @@
 // Where the header says DOWNSCALE the image has that many of the projection's pixels a pixel.
 //
 // Where the header says TOUCH_ONLY no coverage is found, only which pixels the fibre touches: enough for a front and for
-// a count.
+// a count. With CENTRE_ONLY it is those whose centres the fibre covers, as the hardware samples a triangle.
 
 @group(1) @binding(0) var<storage, read> projected: array<Projected>;
 // First points of the run's segments in the order in which the walk takes them; its last word is their number.
@@ -118,6 +118,7 @@ fn segment(index: u32) -> Segment {
     s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts) * scale;
     s.after = select(segment_beyond(next_flags), 0.0, s.ends) * scale;
     s.footprint = footprint(s.normal);
+    if CENTRE_ONLY { s.footprint.support = 0.0; }
     // Uniforms are read here once and not at every pixel, where some drivers would read them anew.
     s.opacity = drawing.opacity;
     s.point = drawing.point_base + index;
@@ -180,7 +181,7 @@ fn segment_fragment(s: Segment, centre: vec2f, near_end: bool) -> Fragment {
     fragment.touched = abs(across) < half_width + support;
     if near_end {
         fragment.touched = fragment.touched && start < support && end > -support
-            && coverage_touches(s.normal, across, half_width, max(start, -2.0), min(end, 2.0));
+            && (CENTRE_ONLY || coverage_touches(s.normal, across, half_width, max(start, -2.0), min(end, 2.0)));
     }
     if !TOUCH_ONLY {
         var coverage = coverage_band(s.footprint, across, half_width);

@@ -66,15 +66,19 @@ fn shaded_colour(point: u32, along: f32) -> vec3f {
     fibre.tangent = select(from_tangent, turned / max(size, 1e-6), size > 1e-6);
     fibre.colour = vec3f(unpack2x16float(own.x), unpack2x16float(own.y & 0xffffu).x);
     fibre.coordinate = mix(f32(own.y >> 16u), f32(end_own.y >> 16u), along) / 65535.0;
-    fibre.strand = own.z;
-    let position = mix(bitcast<vec3f>(start.xyz), bitcast<vec3f>(end.xyz), along);
+    fibre.strand = own.z & POINT_STRAND;
+    let before = bitcast<vec3f>(start.xyz);
+    let after = bitcast<vec3f>(end.xyz);
+    let position = mix(before, after, along);
+    let run = fibre_points[fragments_run + MATERIAL_VECTORS];
+    let radius = mix(unpack2x16float(own.w).x, unpack2x16float(end_own.w).x, along) * bitcast<f32>(run.y);
+    // The segment alone, prolonged.
+    let starts = (own.z & POINT_FIRST) != 0u;
+    let ends = (end_own.z & POINT_LAST) != 0u;
+    shadow_fibre = ShadowFibre(before, after, radius, bitcast<f32>(run.z), starts, ends);
     fibre.across = vec2f(-1.0, 1.0);
-    if NEAR {
-        let largest = bitcast<f32>(fibre_points[fragments_run + MATERIAL_VECTORS].y);
-        let radius = mix(unpack2x16float(own.w).x, unpack2x16float(end_own.w).x, along) * largest;
-        fibre.across = fragments_across(position, fibre.tangent, radius);
-    }
+    if NEAR { fibre.across = fragments_across(position, fibre.tangent, radius); }
     // From the buffer and not from the uniform, since one software driver compiles a fragment shader anew, at every draw, whose
     // loop ends at a uniform.
-    return shading_radiance(fibre, position, fibre_points[fragments_run + MATERIAL_VECTORS].x);
+    return shading_radiance(fibre, position, run.x);
 }

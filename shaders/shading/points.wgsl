@@ -23,13 +23,20 @@ fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_w
     if index >= drawing.point_count || !points_seen(index) { return; }
     let strand = attributes[index].strand;
     let colour = strand_colours[strand & POINT_STRAND];
+    let position = points_relative(index);
+    let before = points_before(index, strand);
+    let after = points_after(index, strand);
+    let radius = points[index].radius * drawing.radius_scale;
+    let starts = (strand & POINT_FIRST) != 0u;
+    let ends = (strand & POINT_LAST) != 0u;
+    shadow_fibre = ShadowFibre(before, after, radius, drawing.opacity, starts, ends);
     var fibre: Fibre;
-    fibre.tangent = points_tangent(index, strand);
+    fibre.tangent = points_tangent(position - before, after - position);
     fibre.colour = vec3f(unpack2x16float(colour.x), unpack2x16float(colour.y).x);
     fibre.coordinate = attributes[index].coordinate;
     fibre.strand = strand & POINT_STRAND;
     fibre.across = vec2f(-1.0, 1.0);
-    let radiance = shading_radiance(fibre, points_relative(index), frame.light_count);
+    let radiance = shading_radiance(fibre, position, frame.light_count);
     let hash = points_hash(strand & POINT_STRAND);
     let words = vec2u(pack2x16float(radiance.xy), pack2x16float(vec2f(radiance.z, 0.0)) | (hash << 16u));
     shaded[drawing.point_base + index] = words;

@@ -16,12 +16,19 @@ fn points_relative(index: u32) -> vec3f {
     return (drawing.relative_from_object * vec4f(points[index].position, 1.0)).xyz;
 }
 
-// Unit tangent of the circle through the point and its two neighbours: it parts the turn between the two segments as their
-// lengths do, so that unevenly spaced points are lit as even ones are. Some unit vector where the strand has no length here.
-fn points_tangent(index: u32, strand: u32) -> vec3f {
-    let here = points_relative(index);
-    let before = here - points_relative(select(index - 1u, index, (strand & POINT_FIRST) != 0u));
-    let after = points_relative(select(index + 1u, index, (strand & POINT_LAST) != 0u)) - here;
+// The strand's points next to one; the point itself where there is none.
+fn points_before(index: u32, strand: u32) -> vec3f {
+    return points_relative(select(index - 1u, index, (strand & POINT_FIRST) != 0u));
+}
+
+fn points_after(index: u32, strand: u32) -> vec3f {
+    return points_relative(select(index + 1u, index, (strand & POINT_LAST) != 0u));
+}
+
+// Unit tangent of the circle through a point and its two neighbours, from the ways between them: it parts the turn between the
+// two segments as their lengths do, so that unevenly spaced points are lit as even ones are. Some unit vector where the
+// strand has no length here.
+fn points_tangent(before: vec3f, after: vec3f) -> vec3f {
     let lengths = vec2f(length(before), length(after));
     let parts = lengths / max(lengths.yx, vec2f(1e-30));
     var sum = before / max(parts.x, 1e-30) + after / max(parts.y, 1e-30);

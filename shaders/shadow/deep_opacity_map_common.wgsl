@@ -1,32 +1,19 @@
-// Deep opacity map: where its layers lie, and its fixed-point optical depths.
+// Deep opacity map: where its layers lie.
 //
-// Layer k of K ends at extent · f(k/K) behind the front, f(x) = x (1 + x) / 2: the layers near the lit surface, where
-// transmittance changes most, are half as thick as even ones, those at the back one and a half times.
+// Layer k of K ends at extent · f(k/K) behind the front, f(x) = (e^(gx) - 1) / (e^g - 1): each layer is thicker than the one
+// before it by the same factor. Most light is lost near the lit surface, but some hair lies far behind stray ones.
+
+// The last layer's growth over the first, as a logarithm. Measured on straight, wavy and curly hair: of 2 to 6 the best, or
+// within a tenth of it, from 4 to 32 layers.
+const DEEP_OPACITY_GROWTH: f32 = 5.0;
+const DEEP_OPACITY_RANGE: f32 = 147.41316;
 
 fn deep_opacity_boundary(x: f32) -> f32 {
-    return 0.5 * x * (1.0 + x);
+    return (exp(DEEP_OPACITY_GROWTH * x) - 1.0) / DEEP_OPACITY_RANGE;
 }
 
 // The layer, from 0 to count - 1, of a depth behind the front in units of the extent. The last layer is open-ended.
 fn deep_opacity_layer(depth: f32, count: u32) -> u32 {
-    let x = 0.5 * (sqrt(1.0 + 8.0 * clamp(depth, 0.0, 1.0)) - 1.0);
+    let x = log(1.0 + DEEP_OPACITY_RANGE * clamp(depth, 0.0, 1.0)) / DEEP_OPACITY_GROWTH;
     return min(u32(x * f32(count)), count - 1u);
-}
-
-// Where a texel's front lies among a map's fronts, of which blocks of 1 << shift texels a side share one.
-fn deep_opacity_front_place(texel: vec2u, resolution: u32, shift: u32) -> u32 {
-    let width = (resolution + (1u << shift) - 1u) >> shift;
-    return (texel.y >> shift) * width + (texel.x >> shift);
-}
-
-// The bits of a positive float order like the float; kept as a distance from the largest one, so that a cleared word
-// is the farthest front and the nearest fragment the maximum.
-const DEEP_OPACITY_FARTHEST: u32 = 0x7f7fffffu;
-
-fn deep_opacity_front_word(depth: f32) -> u32 {
-    return DEEP_OPACITY_FARTHEST - bitcast<u32>(max(depth, 0.0));
-}
-
-fn deep_opacity_front(word: u32) -> f32 {
-    return bitcast<f32>(DEEP_OPACITY_FARTHEST - word);
 }

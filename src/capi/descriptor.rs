@@ -21,19 +21,24 @@ pub(super) unsafe trait Descriptor: Default {
     const SIZES: &'static [usize] = &[size_of::<Self>()];
 }
 
-/// Implements [`Descriptor`] for a struct that has had one size so far, and checks at compile time that its last field
-/// ends where it does, so that what will be appended lies in no padding.
+/// Implements [`Descriptor`] for a struct, and checks at compile time that its last field ends where it does, so that what
+/// will be appended lies in no padding.
 macro_rules! descriptor {
-    ($type:ident, $init:literal, $last:ident: $last_type:ty) => {
+    // `since` names the fields that earlier versions ended with.
+    ($type:ident, $init:literal, $last:ident: $last_type:ty $(, since $older:ident: $older_type:ty)*) => {
         const _: () = assert!(
             std::mem::offset_of!($type, $last) + size_of::<$last_type>() == size_of::<$type>(),
             concat!(stringify!($type), " ends with padding"),
         );
         const _: () = assert!(std::mem::offset_of!($type, struct_size) == 0);
-        // SAFETY: `repr(C)` with `struct_size` first, made of integers, floats and raw pointers only; its one size is its whole.
+        // SAFETY: `repr(C)` with `struct_size` first, made of integers, floats and raw pointers only; each size ends at a field's end.
         unsafe impl $crate::capi::descriptor::Descriptor for $type {
             const NAME: &'static str = stringify!($type);
             const INIT: &'static str = $init;
+            const SIZES: &'static [usize] = &[
+                $(std::mem::offset_of!($type, $older) + size_of::<$older_type>(),)*
+                size_of::<$type>(),
+            ];
         }
     };
 }

@@ -29,6 +29,8 @@ pub const PELAGE_VIEW_PREVIOUS: u32 = 4;
 pub const PELAGE_LIGHT_DIRECTIONAL: u32 = 0;
 /// A light at a point that shines in all directions.
 pub const PELAGE_LIGHT_POINT: u32 = 1;
+/// A light at a point that shines into a cone.
+pub const PELAGE_LIGHT_SPOT: u32 = 2;
 
 /// The most lights of a frame.
 pub const PELAGE_MAX_LIGHTS: u32 = 16;
@@ -89,17 +91,21 @@ pub struct PelageLight {
     pub struct_size: u32,
     /// `PELAGE_LIGHT_…`.
     pub kind: u32,
-    /// Of a directional light: the way it travels, in world space; any length but zero.
+    /// Of a directional light or a spot: the way it travels, in world space; any length but zero.
     pub direction: [f64; 3],
-    /// Of a point light: world space, host units.
+    /// Of a point light or a spot: world space, host units.
     pub position: [f64; 3],
-    /// Linear RGB, at least 0. Of a directional light: irradiance on a plane that faces it. Of a point light: radiant
-    /// intensity, that is irradiance times squared distance.
+    /// Linear RGB, at least 0. Of a directional light: irradiance on a plane that faces it. Of a point light or a spot:
+    /// radiant intensity, that is irradiance times squared distance.
     pub power: [f32; 3],
     /// 0.
     pub reserved: u32,
     /// How hair shadows this light; NULL: as the frame's hairs wish.
     pub shadow: *const PelageShadow,
+    /// Of a spot: the angle from its axis up to which it has all of its intensity, in radians, from 0 to `outer_angle`.
+    pub inner_angle: f32,
+    /// Of a spot: the angle from which on it has none, in radians, above 0 and up to pi/2.
+    pub outer_angle: f32,
 }
 
 impl Default for PelageLight {
@@ -112,11 +118,18 @@ impl Default for PelageLight {
             power: [1.0; 3],
             reserved: 0,
             shadow: null(),
+            inner_angle: 0.4,
+            outer_angle: 0.5,
         }
     }
 }
 
-descriptor!(PelageLight, "PELAGE_LIGHT_INIT", shadow: *const PelageShadow);
+descriptor!(
+    PelageLight,
+    "PELAGE_LIGHT_INIT",
+    outer_angle: f32,
+    since shadow: *const PelageShadow
+);
 
 /// What one frame draws. Read during the call only.
 #[repr(C)]
@@ -307,6 +320,13 @@ unsafe fn light(number: usize, given: &PelageLight) -> Result<Light> {
         PELAGE_LIGHT_POINT => LightKind::Point {
             position: given.position.into(),
             intensity: power,
+        },
+        PELAGE_LIGHT_SPOT => LightKind::Spot {
+            position: given.position.into(),
+            direction: given.direction.into(),
+            intensity: power,
+            inner_angle: given.inner_angle,
+            outer_angle: given.outer_angle,
         },
         unknown => return invalid!("light {number}: kind {unknown} is not one of PELAGE_LIGHT_…"),
     };

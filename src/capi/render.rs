@@ -15,6 +15,9 @@ pub const PELAGE_RENDER_WRITE_DEPTH: u32 = 2;
 /// Darken the opaque scene of the target by the hair's shadow.
 pub const PELAGE_RENDER_RECEIVE_SHADOW: u32 = 4;
 
+/// Of `pelage_vulkan_render`: write a view's shadow images alone. No hair is drawn, and its colour and outputs stay.
+pub const PELAGE_RENDER_SHADOWS_ONLY: u32 = 8;
+
 pub(super) const ALL_FLAGS: u32 =
     PELAGE_RENDER_CLEAR | PELAGE_RENDER_WRITE_DEPTH | PELAGE_RENDER_RECEIVE_SHADOW;
 
@@ -98,5 +101,6 @@ fn target_of(image: &Image, rectangle: Option<[u32; 4]>, flags: u32) -> Target<'
         rectangle,
         outputs: image.outputs(),
         subresources: Default::default(),
+        ..Target::cleared(&image.colour)
     }
 }

@@ -4,6 +4,7 @@
 //! [`builtin`] makes a head and three hairstyles out of nothing; [`tessellate`] turns curves into polylines.
 
 mod builtin;
+pub(crate) mod density;
 pub(crate) mod even;
 pub mod formats;
 mod guides;

@@ -59,6 +59,8 @@ pub(crate) struct Emission {
     pub group: Group,
     /// Coverage is not asked for, only whether a fibre touches a pixel.
     pub touch_only: bool,
+    /// A fibre counts where it covers a pixel's centre, not where it touches the pixel. Only with `touch_only`.
+    pub centre_only: bool,
     /// Pixels of the projection a side of one pixel that is drawn.
     pub downscale: u32,
 }
@@ -91,6 +93,7 @@ impl Emission {
             .with("STAGE", Constant::U32(self.stage))
             .with("PARTS", Constant::U32(parts))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
+            .with("CENTRE_ONLY", Constant::Bool(self.centre_only))
             .with("DOWNSCALE", Constant::U32(self.downscale))
             .and(&files)
             .and(&[rasteriser])

@@ -28,6 +28,7 @@ pub use scheuermann::{Highlight, Scheuermann};
 use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, spread_workgroups};
 use crate::layout::Material;
+use crate::occluder;
 use crate::plan::Plan;
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
@@ -239,8 +240,10 @@ pub(crate) struct Shader {
     /// The model's files.
     pub files: &'static [&'static str],
     pub rate: ShadingRate,
-    /// Whether any light has a map.
-    pub shadowed: bool,
+    /// The files of the shadow technique's look-up.
+    pub shadow: &'static [&'static str],
+    /// Whether the host has shadow maps that shadow the hair; at points only.
+    pub occluded: bool,
     /// Whether all hairs have the same parameters.
     pub one_material: bool,
     /// Whether any hair's roughness varies.
@@ -258,7 +261,8 @@ impl Shader {
             label,
             files,
             rate,
-            shadowed: false,
+            shadow: shadow::none::LOOK_UP,
+            occluded: false,
             one_material: true,
             varies: shading.varies(),
             transmits: true,
@@ -266,12 +270,12 @@ impl Shader {
         }
     }
 
-    /// What tells its pipelines for points apart.
-    fn variant(&self) -> u32 {
-        u32::from(self.shadowed)
-            | u32::from(self.varies) << 1
-            | u32::from(!self.transmits) << 2
-            | self.settings.unwrap_or_default() << 3
+    /// The shader, as far as pipelines for points depend on it.
+    fn of_points(self) -> Self {
+        Self {
+            one_material: true,
+            ..self
+        }
     }
 
     /// The module's constants.
@@ -296,8 +300,10 @@ impl Shader {
     /// The files of the model and of what it is called by.
     fn model(&self) -> Module {
         self.constants()
-            .and(shadow::look_up(self.shadowed))
-            .and(&["shading/fibre_type", "shading/radiance"])
+            .and(self.shadow)
+            .and(shadow::OWN)
+            .and(occluder::files(self.occluded))
+            .and(&["common/light", "shading/fibre_type", "shading/radiance"])
             .and(self.files)
     }
 
@@ -338,7 +344,13 @@ pub(crate) fn gather_module() -> Module {
 /// Shades every strand point for the view, or gathers what shading at fragments asks of them.
 pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &Plan) -> Result<()> {
     tables::record(gpu, passes, bound, plan)?;
-    let groups = [Group::Frame, Group::Shade, Group::MapsRead];
+    let groups = [
+        Group::Frame,
+        Group::Shade,
+        Group::MapsRead,
+        Group::Occluders,
+    ];
+    let groups = &groups[..if plan.shader.occluded { 4 } else { 3 }];
     let rate = plan.shader.rate;
     let label = match rate {
         ShadingRate::Point => plan.shader.label,
@@ -350,20 +362,23 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
             ShadingRate::Point => {
                 let shader = plan.shader_of(run.hair);
                 let key = PipelineKey {
-                    variant: shader.variant(),
+                    shading: Some(shader.of_points()),
                     ..PipelineKey::new(label)
                 };
-                gpu.compute(key, "shade_points", &groups, || shader.points_module())?
+                gpu.compute(key, "shade_points", groups, || shader.points_module())?
             }
             ShadingRate::Fragment => {
                 let key = PipelineKey::new(label);
-                gpu.compute(key, "gather_fibre_points", &groups, gather_module)?
+                gpu.compute(key, "gather_fibre_points", groups, gather_module)?
             }
         };
         pipelines.push(pipeline);
     }
     passes.compute(label, |pass| {
         pass.set_bind_group(2, bound.maps_read, &[]);
+        if let Some(occluders) = bound.occluders {
+            pass.set_bind_group(3, occluders, &[]);
+        }
         for (((run, pipeline), drawing), groups) in plan
             .runs
             .iter()

@@ -1,35 +1,39 @@
 //! Deep opacity map (Yuksel and Keyser 2008, Hunz §4.2): a front depth a texel, and behind it layers that follow the
 //! hair's shape, each with the sum of -ln(1 - opacity) of its fragments; transmittance is exp(-Ω).
 
+use glam::Vec3;
+
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::{Plan, PlannedMap};
-use crate::raster::{self, Emission, Raster};
+use crate::raster::{Emission, Raster};
 use crate::resources::Bound;
 use crate::shader::Module;
 
+use super::{Shape, Sight};
+
 /// The files of the look-up.
-pub(crate) const LOOK_UP: &[&str] = &["shadow/deep_opacity_map_common", "shadow/deep_opacity_map"];
-
-/// Half-width in texels from which on fibres are so wide that a block of 2×2 texels may share one front, at a third of
-/// the time. Measured at opacity 1, with 2,000 strands on the head: RMSE 0.123 for 0.117 at K = 2, 0.115 for 0.112 at K = 8,
-/// 0.111 for 0.111 at K = 16; with strands four times as wide 0.167 for 0.166 at K = 8.
-const WIDE_HALF_WIDTH: f64 = 1.0;
-
-/// The shift from texels to fronts for fibres of at most this half-width in texels.
-pub(crate) fn front_shift(half_width: f64) -> u32 {
-    u32::from(half_width >= WIDE_HALF_WIDTH)
-}
+pub(crate) const LOOK_UP: &[&str] = &[
+    "shadow/map",
+    "shadow/front",
+    "shadow/deep_opacity_map_common",
+    "shadow/deep_opacity_map",
+];
+/// The files of the pass that sums the layers.
+pub(crate) const PREFIX: &[&str] = &["shadow/front", "shadow/deep_opacity_map_prefix"];
 
 const FRONT: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.front",
     stage: 0,
     files: &[
+        "shadow/front",
+        "shadow/map_emit",
         "shadow/deep_opacity_map_common",
         "shadow/deep_opacity_map_emit",
     ],
     group: Group::MapsWritten,
     touch_only: true,
+    centre_only: false,
     downscale: 1,
 };
 const LAYERS: Emission = Emission {
@@ -39,14 +43,8 @@ const LAYERS: Emission = Emission {
     ..FRONT
 };
 
-const FRONT_OF_BLOCKS: Emission = Emission {
-    label: "pelage.shadow.deep_opacity_map.front_of_blocks",
-    downscale: 2,
-    ..FRONT
-};
-
 /// All stages.
-pub(crate) const EMISSIONS: [Emission; 3] = [FRONT, FRONT_OF_BLOCKS, LAYERS];
+pub(crate) const EMISSIONS: [Emission; 2] = [FRONT, LAYERS];
 
 /// Settings of the deep opacity map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +58,8 @@ pub struct DeepOpacityMap {
     /// Depth behind the front at which the last layer ends, as a part of the hair's extent along the light, above 0 and
     /// up to 1. What lies deeper counts in the last layer.
     pub depth: f32,
+    /// The part of each channel that a crossed fibre passes on, from 0 to below 1: all hair's alike.
+    pub transmitted: Vec3,
     /// The rasteriser.
     pub raster: Raster,
 }
@@ -69,8 +69,9 @@ impl Default for DeepOpacityMap {
         Self {
             resolution: 512,
             layers: 8,
-            pcf: 3,
-            depth: 0.5,
+            pcf: 1,
+            depth: 1.0,
+            transmitted: Vec3::ZERO,
             raster: Raster::Auto,
         }
     }
@@ -78,20 +79,12 @@ impl Default for DeepOpacityMap {
 
 impl DeepOpacityMap {
     pub(crate) fn validate(&self) -> Result<()> {
-        if !(16..=8192).contains(&self.resolution) {
-            return invalid!(
-                "deep_opacity_map: resolution {} is not between 16 and 8192",
-                self.resolution
-            );
-        }
+        super::validate_map("deep_opacity_map", self.resolution, self.pcf)?;
         if !(1..=64).contains(&self.layers) {
             return invalid!(
                 "deep_opacity_map: layers {} is not between 1 and 64",
                 self.layers
             );
-        }
-        if !matches!(self.pcf, 1 | 3 | 5) {
-            return invalid!("deep_opacity_map: pcf {} is not 1, 3 or 5", self.pcf);
         }
         if !(self.depth > 0.0 && self.depth <= 1.0) {
             return invalid!(
@@ -99,7 +92,22 @@ impl DeepOpacityMap {
                 self.depth
             );
         }
-        Ok(())
+        super::validate_transmitted("deep_opacity_map", self.transmitted)
+    }
+
+    pub(super) fn shape(&self, sight: &Sight) -> Shape {
+        let extent = sight.extent * f64::from(self.depth);
+        Shape {
+            resolution: self.resolution,
+            pcf: self.pcf,
+            // A front for blocks of texels would be faster, at half as much error again.
+            front_shift: Some(0),
+            layers: self.layers,
+            values: [extent as f32, 0.0, 0.0, 0.0],
+            colour: super::summed_colour(self.transmitted),
+            bias: 0.0,
+            raster: self.raster,
+        }
     }
 }
 
@@ -111,37 +119,21 @@ pub(crate) fn record(
     map: &PlannedMap,
     plan: &Plan,
 ) -> Result<()> {
-    let size = [map.settings.resolution; 2];
-    let rows = [0, size[1]];
-    let raster = raster::Draw {
-        rasteriser: map.rasteriser,
-        splits: map.splits,
-        size,
-        rows,
-        drawings: &map.drawings,
-        on_overflow: false,
-    };
-    let front = [&FRONT, &FRONT_OF_BLOCKS][map.front_shift as usize];
-    raster::record(gpu, passes, bound, front, &raster, plan)?;
-    raster::record(gpu, passes, bound, &LAYERS, &raster, plan)?;
+    super::fill(gpu, passes, bound, &FRONT, map, plan)?;
+    super::fill(gpu, passes, bound, &LAYERS, map, plan)?;
     let label = "pelage.shadow.deep_opacity_map.prefix";
     let groups = [Group::Frame, Group::MapsWritten];
     let pipeline = gpu.compute(
         PipelineKey::new(label),
         "deep_opacity_map_prefix",
         &groups,
-        || {
-            Module::new(&[
-                "shadow/deep_opacity_map_common",
-                "shadow/deep_opacity_map_prefix",
-            ])
-        },
+        || Module::new(PREFIX),
     )?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, bound.frame, &[0, map.drawings[0], plan.runs[0].material]);
         pass.set_bind_group(2, bound.maps_written, &[]);
-        let (x, y) = workgroups(size[0] * size[1]);
+        let (x, y) = workgroups(map.shape.resolution.pow(2));
         pass.dispatch_workgroups(x, y, 1);
     });
     Ok(())

@@ -25,6 +25,7 @@ const COUNT: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: true,
+    centre_only: false,
     downscale: 1,
 };
 const RANGE: Emission = Emission {

@@ -38,6 +38,7 @@ const BINS: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
+    centre_only: false,
     downscale: 1,
 };
 const STORE: Store = Store {

@@ -25,6 +25,7 @@ const FIRST_KEY: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
+    centre_only: false,
     downscale: 1,
 };
 const KEY: Emission = Emission {

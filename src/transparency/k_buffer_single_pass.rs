@@ -25,6 +25,7 @@ const INSERT: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
+    centre_only: false,
     downscale: 1,
 };
 

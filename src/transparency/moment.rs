@@ -26,6 +26,7 @@ const RANGE: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
+    centre_only: false,
     downscale: 1,
 };
 const MOMENTS: Emission = Emission {

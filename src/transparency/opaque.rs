@@ -17,6 +17,7 @@ const NEAREST: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
+    centre_only: false,
     downscale: 1,
 };
 const WINNER: Emission = Emission {

@@ -191,6 +191,7 @@ pub(crate) fn sort_module() -> Module {
         "transparency/sorted_blending_sort",
     ])
     .with("TOUCH_ONLY", Constant::Bool(true))
+    .with("CENTRE_ONLY", Constant::Bool(false))
     .with("DOWNSCALE", Constant::U32(1))
 }
 
@@ -251,6 +252,7 @@ pub(crate) fn draw_module() -> Module {
         "transparency/sorted_blending_draw",
     ])
     .with("TOUCH_ONLY", Constant::Bool(false))
+    .with("CENTRE_ONLY", Constant::Bool(false))
     .with("DOWNSCALE", Constant::U32(1))
 }
 

@@ -20,6 +20,7 @@ const SUM: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
+    centre_only: false,
     downscale: 1,
 };
 

@@ -32,6 +32,11 @@ int main(void) {
     PRINT(PelageChiang, PELAGE_CHIANG_INIT);
     PRINT(PelageShading, PELAGE_SHADING_INIT);
     PRINT(PelageDeepOpacityMap, PELAGE_DEEP_OPACITY_MAP_INIT);
+    PRINT(PelageShadowMap, PELAGE_SHADOW_MAP_INIT);
+    PRINT(PelageApproximatedDeepShadowMap, PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT);
+    PRINT(PelageOpacityShadowMaps, PELAGE_OPACITY_SHADOW_MAPS_INIT);
+    PRINT(PelageMomentOpacityMap, PELAGE_MOMENT_OPACITY_MAP_INIT);
+    PRINT(PelageKBufferVolume, PELAGE_K_BUFFER_VOLUME_INIT);
     PRINT(PelageShadow, PELAGE_SHADOW_INIT);
     PRINT(PelageOpaque, PELAGE_OPAQUE_INIT);
     PRINT(PelageABuffer, PELAGE_A_BUFFER_INIT);
@@ -55,6 +60,8 @@ int main(void) {
     PRINT(PelageVulkanDevice, PELAGE_VULKAN_DEVICE_INIT);
     PRINT(PelageVulkanImage, PELAGE_VULKAN_IMAGE_INIT);
     PRINT(PelageVulkanView, PELAGE_VULKAN_VIEW_INIT);
+    PRINT(PelageVulkanOccluder, PELAGE_VULKAN_OCCLUDER_INIT);
+    PRINT(PelageVulkanShadowImage, PELAGE_VULKAN_SHADOW_IMAGE_INIT);
     PRINT(PelageVulkanPoints, PELAGE_VULKAN_POINTS_INIT);
     PRINT(PelageVulkanSemaphore, PELAGE_VULKAN_SEMAPHORE_INIT);
     PRINT(PelageVulkanSubmit, PELAGE_VULKAN_SUBMIT_INIT);

@@ -6,6 +6,7 @@
  *     outputs     depth, coverage, motion and ids beside the colour, in a rectangle too, are the library's own
  *     layers      layers and mip levels of array images, as both eyes of one submission
  *     owners      images that change hands between families of queues
+ *     shadows     the hair's shadow as an image, and the host's own shadow maps over the hair
  *     moving      points and guides from the host's buffers
  *     formats     every format of colour and depth, many layouts, binary semaphores
  *     backlog     more frames than may be on their way
@@ -33,10 +34,12 @@
 
 #include "vulkan/lifetimes.h"
 
+#include "vulkan/shadows.h"
+
 int main(int argc, char **argv) {
     const char *what = argc > 1 ? argv[1] : "";
     static const struct { const char *name; void (*run)(void); } runs[] = {
-        { "compare", compare }, { "outputs", outputs }, { "layers", layers }, { "owners", owners }, { "moving", moving }, { "formats", formats }, { "backlog", backlog }, { "refusals", refusals }, { "short", short_devices },
+        { "compare", compare }, { "outputs", outputs }, { "layers", layers }, { "owners", owners }, { "shadows", shadows }, { "moving", moving }, { "formats", formats }, { "backlog", backlog }, { "refusals", refusals }, { "short", short_devices },
         { "lock", locks }, { "lost", lost }, { "hazard", hazard },
     };
     int ran = 0;

@@ -226,6 +226,104 @@ fn wrong_settings_leave_a_hair_as_it_was() {
         }),
         "depth NaN",
     );
+    wrong(
+        shadow(PelageDeepOpacityMap {
+            transmitted: [0.0, 1.0, 0.0],
+            ..default
+        }),
+        "transmitted (0, 1, 0)",
+    );
+    let shadow = |map: PelageMomentOpacityMap| {
+        // SAFETY: the pointers are to values of their types.
+        unsafe {
+            pelage_hair_set_shadow(
+                hair,
+                &PelageShadow {
+                    technique: PELAGE_SHADOW_MOMENT_OPACITY_MAP,
+                    moment_opacity_map: &map,
+                    ..Default::default()
+                },
+            )
+        }
+    };
+    let default = PelageMomentOpacityMap::default();
+    assert_eq!(shadow(default), PELAGE_OK);
+    for (settings, says) in [
+        (
+            PelageMomentOpacityMap {
+                moments: 5,
+                ..default
+            },
+            "moments 5",
+        ),
+        (
+            PelageMomentOpacityMap {
+                resolution: 15,
+                ..default
+            },
+            "resolution 15",
+        ),
+        (
+            PelageMomentOpacityMap {
+                transmitted: [f32::NAN; 3],
+                ..default
+            },
+            "transmitted (NaN",
+        ),
+    ] {
+        wrong(shadow(settings), says);
+    }
+    let shadow = |map: PelageKBufferVolume| {
+        // SAFETY: the pointers are to values of their types.
+        unsafe {
+            pelage_hair_set_shadow(
+                hair,
+                &PelageShadow {
+                    technique: PELAGE_SHADOW_K_BUFFER_VOLUME,
+                    k_buffer_volume: &map,
+                    ..Default::default()
+                },
+            )
+        }
+    };
+    let default = PelageKBufferVolume::default();
+    assert_eq!(shadow(default), PELAGE_OK);
+    let fresnel = PelageKBufferVolume {
+        attenuation: PELAGE_ATTENUATION_FRESNEL,
+        ..default
+    };
+    assert_eq!(shadow(fresnel), PELAGE_OK);
+    for (settings, says) in [
+        (PelageKBufferVolume { k: 65, ..default }, "k 65"),
+        (PelageKBufferVolume { k: 0, ..default }, "k 0"),
+        (PelageKBufferVolume { tail: 2, ..default }, "tail 2"),
+        (
+            PelageKBufferVolume {
+                attenuation: 2,
+                ..default
+            },
+            "attenuation 2",
+        ),
+        (
+            PelageKBufferVolume {
+                eta: 1.0,
+                ..fresnel
+            },
+            "eta 1",
+        ),
+        (
+            PelageKBufferVolume {
+                sigma_a: [0.0, -1.0, 0.0],
+                ..fresnel
+            },
+            "sigma_a (0, -1, 0)",
+        ),
+    ] {
+        wrong(shadow(settings), says);
+    }
+    // SAFETY: the pointer is to a value of its type.
+    let result = unsafe { pelage_hair_set_shadow(hair, &PelageShadow::default()) };
+    assert_eq!(result, PELAGE_OK);
     let a_buffer = PelageABuffer {
         pool_bytes: 1,
         ..Default::default()

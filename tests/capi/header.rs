@@ -227,13 +227,66 @@ fn initialisers() -> String {
         layers,
         pcf,
         depth,
+        raster,
+        transmitted
+    );
+    initialiser!(
+        PelageMomentOpacityMap,
+        "PELAGE_MOMENT_OPACITY_MAP_INIT",
+        resolution,
+        moments,
+        pcf,
+        transmitted,
+        raster
+    );
+    initialiser!(
+        PelageKBufferVolume,
+        "PELAGE_K_BUFFER_VOLUME_INIT",
+        resolution,
+        k,
+        pcf,
+        tail,
+        attenuation,
+        eta,
+        sigma_a,
         raster
     );
     initialiser!(
         PelageShadow,
         "PELAGE_SHADOW_INIT",
         technique,
-        deep_opacity_map
+        deep_opacity_map,
+        shadow_map,
+        approximated_deep_shadow_map,
+        opacity_shadow_maps,
+        moment_opacity_map,
+        k_buffer_volume
+    );
+    initialiser!(
+        PelageShadowMap,
+        "PELAGE_SHADOW_MAP_INIT",
+        resolution,
+        pcf,
+        strength,
+        raster
+    );
+    initialiser!(
+        PelageApproximatedDeepShadowMap,
+        "PELAGE_APPROXIMATED_DEEP_SHADOW_MAP_INIT",
+        resolution,
+        pcf,
+        opacity,
+        spacing,
+        raster
+    );
+    initialiser!(
+        PelageOpacityShadowMaps,
+        "PELAGE_OPACITY_SHADOW_MAPS_INIT",
+        resolution,
+        layers,
+        unevenness,
+        pcf,
+        raster
     );
     initialiser!(PelageOpaque, "PELAGE_OPAQUE_INIT", raster);
     initialiser!(
@@ -346,7 +399,9 @@ fn initialisers() -> String {
         position,
         power,
         reserved,
-        shadow
+        shadow,
+        inner_angle,
+        outer_angle
     );
     initialiser!(
         PelageFrame,
@@ -444,7 +499,28 @@ fn initialisers() -> String {
         nearest_depth,
         coverage,
         motion,
-        ids
+        ids,
+        occluders,
+        shadow_images,
+        occluder_count,
+        shadow_image_count
+    );
+    initialiser!(
+        PelageVulkanOccluder,
+        "PELAGE_VULKAN_OCCLUDER_INIT",
+        light,
+        depth,
+        clip_from_world,
+        flags,
+        pcf,
+        bias,
+        reserved
+    );
+    initialiser!(
+        PelageVulkanShadowImage,
+        "PELAGE_VULKAN_SHADOW_IMAGE_INIT",
+        light,
+        image
     );
     initialiser!(
         PelageVulkanPoints,

@@ -241,20 +241,20 @@ fn unknown_enumerators_and_flags_are_named() {
         let image = PelageTargetDescriptor {
             width: 4,
             height: 4,
-            format: 2,
+            format: 99,
             ..Default::default()
         };
         let result = pelage_target_create(context.0, &image, &mut PelageTarget::default());
-        wrong(result, "format 2…PELAGE_FORMAT_");
+        wrong(result, "format 99…PELAGE_FORMAT_");
         let (lights, mut view) = (
             [PelageLight {
-                kind: 2,
+                kind: 99,
                 ..Default::default()
             }],
             view(),
         );
         let result = pelage_render(context.0, &frame(&[hair], &lights, &view), target, 0);
-        wrong(result, "light 0…kind 2…PELAGE_LIGHT_");
+        wrong(result, "light 0…kind 99…PELAGE_LIGHT_");
         view.flags = 8;
         wrong(
             pelage_render(context.0, &frame(&[hair], &[], &view), target, 0),

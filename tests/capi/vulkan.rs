@@ -73,6 +73,12 @@ fn outputs_on_the_hosts_device_are_those_of_the_librarys_own() {
 }
 
 #[test]
+fn the_hosts_scene_and_the_hair_shadow_each_other() {
+    let printed = goes_right(&["shadows"]);
+    assert!(printed.contains(": 0 values are wrong"), "{printed}");
+}
+
+#[test]
 fn hair_moves_by_the_hosts_buffers_as_it_does_by_the_cpus_arrays() {
     let printed = goes_right(&["moving"]);
     assert_eq!(printed.matches("px of motion").count(), 12, "{printed}");

@@ -180,6 +180,20 @@ fn reaching(light: &Light, point: DVec3) -> (DVec3, Vec3) {
             let way = position - point;
             (way, intensity / way.length_squared() as f32)
         }
+        LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => {
+            let way = position - point;
+            let cos = -way.normalize().dot(direction.normalize());
+            let [inner, outer] = [inner_angle, outer_angle].map(|angle| f64::from(angle).cos());
+            let t = ((cos - outer) / (inner - outer)).clamp(0.0, 1.0);
+            let lit = t * t * (3.0 - 2.0 * t) / way.length_squared();
+            (way, intensity * lit as f32)
+        }
     }
 }
 

@@ -3,14 +3,15 @@
 #[allow(dead_code)]
 #[path = "../../examples/render/scene.rs"]
 mod scene;
-#[allow(dead_code)]
-#[path = "../../examples/render/techniques.rs"]
+#[allow(dead_code, unused_imports)]
+#[path = "../../examples/render/techniques/mod.rs"]
 mod techniques;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use pelage::Raster;
+use pelage::glam::Vec3;
 use pelage::groom::BuiltinGroom;
 use pelage::shading::{KajiyaKay, Shading};
 use pelage::shadow::{DeepOpacityMap, Shadow};
@@ -46,7 +47,7 @@ const EVERY_KEY: &str = r#"{"hair": ["a.hair", "b.tfx"],
     "fibre": {"radius": 0.0025, "opacity": 0.5, "eta": 1.5, "sigma_a": [0.06, 0.1, 0.2], "beta_m": 0.2, "beta_n": 0.4,
         "alpha_deg": 3},
     "shading": {"model": "kajiya_kay", "specular": [0.1, 0.1, 0.1], "exponent": 50},
-    "shadow": {"technique": "deep_opacity_map", "resolution": 1024, "layers": 4, "pcf": 5, "depth": 0.25, "raster": "ribbons"},
+    "shadow": {"technique": "deep_opacity_map", "resolution": 1024, "layers": 4, "pcf": 5, "depth": 0.25, "transmitted": [0.5, 0.25, 0.0], "raster": "ribbons"},
     "transparency": {"technique": "a_buffer", "storage": "lists", "raster": "walk", "pool_bytes": 1000000},
     "meshes": ["head.obj"]}"#;
 
@@ -89,6 +90,7 @@ fn every_key_is_read() {
         layers: 4,
         pcf: 5,
         depth: 0.25,
+        transmitted: Vec3::new(0.5, 0.25, 0.0),
         raster: Raster::Ribbons,
     };
     assert_eq!(scene.shadow, Shadow::DeepOpacityMap(map));

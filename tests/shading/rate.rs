@@ -53,7 +53,7 @@ fn fragment_radiance(frame: &Frame) -> impl Fn(&Fragment) -> [f64; 3] + Sync + u
                 direction,
                 irradiance,
             } => (-direction.normalize(), irradiance.as_dvec3()),
-            LightKind::Point { .. } => panic!("another light"),
+            LightKind::Point { .. } | LightKind::Spot { .. } => panic!("another light"),
         })
         .collect();
     move |fragment| {
@@ -361,14 +361,14 @@ fn hairs_of_other_settings_keep_their_own() {
 }
 
 /// Where points lie close together both rates agree: what remains is the second difference within a segment, and that colours
-/// of points are 16-bit floats. Measured RMSE 1e-4 (Chiang, Marschner) to 2e-3 (Sadeghi, Scheuermann).
+/// of points are 16-bit floats. Below 4e-3; with half as many points Scheuermann's had 4.3e-3.
 const CLOSE: f64 = 4e-3;
 
 #[test]
 fn every_model_shades_fragments_as_it_shades_points_close_together() {
     let Some(mut device) = device() else { return };
     let strands = builtin(BuiltinGroom::Straight, 300).unwrap();
-    let strands = pelage::groom::tessellate(&strands, 8).unwrap();
+    let strands = pelage::groom::tessellate(&strands, 16).unwrap();
     let models = [
         Shading::Scheuermann(Scheuermann::default()),
         Shading::Marschner(Marschner::default()),
@@ -412,9 +412,11 @@ fn every_model_shades_fragments_as_it_shades_points_close_together() {
     }
 }
 
-/// With a tenth of the pool: what is merged has the mean colour of three of its fragments. Measured RMSE 0.023, p99 0.11 with counted
-/// arrays, which merge the farthest; 0.038 and 0.18 with lists, which merge what comes late, as the scheduler has it.
-const SAMPLED: [f64; 2] = [0.07, 0.3];
+/// RMSE and p99 with a tenth of the pool: what is merged has the mean colour of three of its fragments. Counted arrays merge
+/// the farthest, the same in every run: measured 0.023 and 0.11. Lists merge what comes late, as the scheduler has it: 0.038 to 0.040
+/// and 0.18.
+const SAMPLED_COUNTED: [f64; 2] = [0.03, 0.14];
+const SAMPLED_LISTS: [f64; 2] = [0.06, 0.27];
 
 #[test]
 fn a_small_pool_erases_no_hair_at_fragments() {
@@ -439,7 +441,11 @@ fn a_small_pool_erases_no_hair_at_fragments() {
         );
         eprintln!("{name}: colour {colour:?}, alpha {alpha:?}");
         assert!(statistics.fragments.merged > need / 2, "{name}");
-        if colour.rmse > SAMPLED[0] || colour.p99 > SAMPLED[1] || alpha.rmse > 1e-3 {
+        let [rmse, p99] = match storage {
+            Storage::Counted => SAMPLED_COUNTED,
+            Storage::Lists => SAMPLED_LISTS,
+        };
+        if colour.rmse > rmse || colour.p99 > p99 || alpha.rmse > 1e-3 {
             write_failure(&format!("sampled tail, {name}"), &actual, &expected);
             panic!("{name}: {colour:?}, {alpha:?}");
         }

@@ -4,201 +4,22 @@ use pelage::glam::{DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, Strands, builtin};
 use pelage::raster::Raster;
 use pelage::shadow::{DeepOpacityMap, Shadow};
-use pelage::transparency::{Opaque, Transparency};
-use pelage::{Frame, Hair, Light, LightKind};
-use pelage_reference::composite::{self, Image};
+use pelage::{Frame, Light, LightKind};
+use pelage_reference::composite::Image;
 use pelage_reference::error::{ImageError, colour_error};
-use pelage_reference::transmittance::{Light as Towards, Occluders, Query};
+use pelage_reference::transmittance::Light as Towards;
 
-use crate::common::images::{Tolerance, assert_close, image, render};
-use crate::common::scenes::{
-    WHITE, lists, pixel_view, point_radiance, portrait, unshadowed, world,
-};
+use crate::common::images::{Tolerance, assert_close, image};
+use crate::common::scenes::{WHITE, pixel_view, portrait, unshadowed};
 use crate::common::{Device, device};
 
-const OPAQUE: Option<Transparency> = Some(Transparency::Opaque(Opaque {
-    raster: Raster::Auto,
-}));
-/// Two 16-bit floats and their interpolation.
-const HALF_FLOATS: f64 = 2e-3;
+use super::support::{HALF_FLOATS, OPAQUE, directional, draw, exact};
 
 fn shadowed(kind: LightKind, settings: DeepOpacityMap) -> Light {
     Light {
         kind,
         shadow: Some(Shadow::DeepOpacityMap(settings)),
     }
-}
-
-fn directional(direction: DVec3) -> LightKind {
-    LightKind::Directional {
-        direction,
-        irradiance: Vec3::ONE,
-    }
-}
-
-fn draw(
-    device: &mut Device,
-    hairs: &[&Hair],
-    lights: &[Light],
-    size: [u32; 2],
-    view: pelage::View,
-) -> Image {
-    let frame = Frame {
-        hairs,
-        lights,
-        ambient: Vec3::ZERO,
-        view,
-        transparency: OPAQUE,
-    };
-    render(device, &frame, size).0
-}
-
-/// Shadowed over unshadowed red where hair is opaque enough to tell.
-fn ratios(shadowed: &Image, lit: &Image) -> Vec<f64> {
-    let seen = |(_, lit): &(&[f64; 4], &[f64; 4])| lit[0] > 0.02;
-    shadowed
-        .pixels
-        .iter()
-        .zip(&lit.pixels)
-        .filter(seen)
-        .map(|(shadowed, lit)| shadowed[0] / lit[0])
-        .collect()
-}
-
-#[test]
-fn transmittance_lies_between_0_and_1() {
-    let Some(mut device) = device() else { return };
-    let size = [82, 107];
-    let strands = builtin(BuiltinGroom::Curly, 1_000).unwrap();
-    let mut hair = device.renderer.create_hair(&strands).unwrap();
-    hair.shading = WHITE;
-    for opacity in [1.0, 0.4] {
-        hair.opacity = opacity;
-        for kind in [
-            directional(DVec3::new(-0.4, -0.8, -0.5)),
-            LightKind::Point {
-                position: DVec3::new(0.5, 0.8, 0.9),
-                intensity: Vec3::ONE,
-            },
-        ] {
-            let view = portrait(size);
-            let lit = draw(
-                &mut device,
-                &[&hair],
-                &[Light {
-                    kind,
-                    shadow: Some(Shadow::None),
-                }],
-                size,
-                view,
-            );
-            for pcf in [1, 3, 5] {
-                let light = shadowed(
-                    kind,
-                    DeepOpacityMap {
-                        resolution: 128,
-                        pcf,
-                        ..Default::default()
-                    },
-                );
-                let image = draw(&mut device, &[&hair], &[light], size, view);
-                let ratios = ratios(&image, &lit);
-                let (low, high) = ratios
-                    .iter()
-                    .fold((1.0f64, 0.0f64), |(l, h), r| (l.min(*r), h.max(*r)));
-                assert!(
-                    low >= 0.0 && high <= 1.0 + HALF_FLOATS,
-                    "{kind:?} pcf {pcf}: {low} to {high}"
-                );
-                assert!(low < 0.5, "{kind:?} pcf {pcf}: no shadow at all");
-            }
-        }
-    }
-}
-
-/// `layers` mats of strands in front of a probe strand, towards +z.
-fn mats(layers: usize) -> Strands {
-    let mut points = vec![[-20.0, 0.3, -10.0], [20.0, 0.3, -10.0]];
-    for layer in 0..layers {
-        for i in 0..40 {
-            let y = i as f32 - 20.0 + 0.37 * layer as f32;
-            points.extend([[-20.0, y, layer as f32], [20.0, y, layer as f32]]);
-        }
-    }
-    let counts = vec![2; points.len() / 2];
-    Strands::new(points, &counts, 0.2).unwrap()
-}
-
-#[test]
-fn more_hair_in_front_never_brightens() {
-    let Some(mut device) = device() else { return };
-    let size = [32, 32];
-    // Seen from the side, so that nothing hides the probe.
-    let mut view = pixel_view(size, 100.0);
-    view.view_from_world = pelage_reference::scene::look_at(
-        DVec3::new(0.0, -100.0, -10.0),
-        DVec3::new(0.0, 0.0, -10.0),
-        DVec3::Z,
-    );
-    let mut last = f64::INFINITY;
-    for layers in 0..8 {
-        let strands = mats(layers);
-        let mut hair = device.renderer.create_hair(&strands).unwrap();
-        hair.shading = WHITE;
-        hair.opacity = 0.5;
-        let light = shadowed(
-            directional(DVec3::NEG_Z),
-            DeepOpacityMap {
-                resolution: 256,
-                pcf: 5,
-                ..Default::default()
-            },
-        );
-        let image = draw(&mut device, &[&hair], &[light], size, view);
-        // The probe lies in the image's middle row.
-        let probe: f64 = (12..20)
-            .flat_map(|x| [15, 16].map(|y| image.pixels[y * 32 + x][0]))
-            .sum();
-        eprintln!("{layers} mats in front: {probe:.4}");
-        assert!(
-            probe > 0.0 && probe <= last,
-            "{layers} mats: {probe} after {last}"
-        );
-        last = probe;
-    }
-}
-
-/// The frame as it would be with exact transmittance at every strand point, averaged over the filter's footprint.
-fn exact(frame: &Frame, size: [u32; 2], light: Towards, footprint: f64) -> Image {
-    let world = world(frame.hairs);
-    let occluders = Occluders::new(&world.strands);
-    let alpha = f64::from(frame.hairs[0].opacity);
-    let query = Query {
-        light,
-        alpha,
-        footprint,
-        samples: 32,
-    };
-    let mut points = Vec::new();
-    for strand in 0..world.strands.len() {
-        let range = world.strands.range(strand);
-        points.extend(
-            range
-                .clone()
-                .map(|at| (world.strands.points[at], Some(at.min(range.end - 2)))),
-        );
-    }
-    let passed = occluders.transmittances(&points, &query);
-    let colours: Vec<[f64; 3]> = point_radiance(frame)
-        .iter()
-        .zip(passed)
-        .map(|(colour, passed)| colour.map(|c| c * passed))
-        .collect();
-    composite::opaque(
-        &lists(frame, size, None),
-        alpha,
-        composite::point_colours(&colours),
-    )
 }
 
 #[test]
@@ -220,14 +41,14 @@ fn the_error_falls_or_stays_with_the_number_of_layers() {
             view: portrait(size),
             transparency: OPAQUE,
         };
-        // The hair's extent is about 0.55 m: 3 of 512 texels are 3.2 mm wide; the disc of the same area.
+        // The hair's extent is about 0.55 m: one of 512 texels is 1.1 mm wide; the disc of the same area.
         let expected = exact(
             &frame,
             size,
             Towards::Directional {
                 towards: -direction,
             },
-            0.0032 / std::f64::consts::PI.sqrt(),
+            0.0011 / std::f64::consts::PI.sqrt(),
         );
         let lit = draw(&mut device, &hairs, &lights, size, frame.view);
         let unshadowed = colour_error(&lit, &expected, None);
@@ -245,15 +66,19 @@ fn the_error_falls_or_stays_with_the_number_of_layers() {
                 error
             })
             .collect();
-        for (more, fewer) in errors.iter().skip(1).zip(&errors) {
-            // Where the filter's own error is all that is left, it wavers.
+        // Where boundaries fall among the hair counts too: four times the layers, not twice, are sure to be no worse.
+        for (more, fewer) in errors.iter().skip(2).zip(&errors) {
             assert!(
-                more.rmse <= fewer.rmse * 1.02,
+                more.rmse <= fewer.rmse * 1.05,
                 "opacity {opacity}: {} after {}",
                 more.rmse,
                 fewer.rmse
             );
         }
+        assert!(
+            errors[4].rmse < 0.7 * errors[0].rmse,
+            "opacity {opacity}: {errors:?}"
+        );
         assert!(
             errors[2].rmse < 0.5 * unshadowed.rmse,
             "opacity {opacity}: {:?}",
@@ -366,67 +191,6 @@ fn a_light_among_the_hair_is_shadowed_about_exactly() {
             "{raster:?}: {sum}, exact {expected}, unshadowed {lit}"
         );
     }
-}
-
-#[test]
-fn hair_of_opacity_0_casts_no_shadow() {
-    let Some(mut device) = device() else { return };
-    let size = [32, 32];
-    let view = pixel_view(size, 100.0);
-    let create = |device: &mut Device, z: f32, opacity: f32| {
-        let points = (0..16)
-            .flat_map(|i| [[-14.0, i as f32 - 8.0, z], [14.0, i as f32 - 8.0, z]])
-            .collect();
-        let mut hair = device
-            .renderer
-            .create_hair(&Strands::new(points, &[2; 16], 0.4).unwrap())
-            .unwrap();
-        (hair.shading, hair.opacity) = (WHITE, opacity);
-        hair
-    };
-    let (behind, before) = (
-        create(&mut device, -5.0, 1.0),
-        create(&mut device, 5.0, 0.0),
-    );
-    let light = shadowed(
-        directional(DVec3::NEG_Z),
-        DeepOpacityMap {
-            resolution: 128,
-            ..Default::default()
-        },
-    );
-    let lit = draw(
-        &mut device,
-        &[&behind],
-        &[unshadowed(DVec3::NEG_Z, Vec3::ONE)],
-        size,
-        view,
-    );
-    let image = draw(&mut device, &[&before, &behind], &[light], size, view);
-    assert_close(
-        "opacity 0",
-        &image,
-        &lit,
-        Tolerance {
-            rmse: 1e-3,
-            p99: 1e-3,
-        },
-    );
-    // The test can fail: light from the other side meets the opaque hair first.
-    let half = create(&mut device, 5.0, 0.5);
-    let light = Light {
-        kind: directional(DVec3::Z),
-        ..light
-    };
-    let lit = draw(
-        &mut device,
-        &[&half, &behind],
-        &[unshadowed(DVec3::Z, Vec3::ONE)],
-        size,
-        view,
-    );
-    let image = draw(&mut device, &[&half, &behind], &[light], size, view);
-    assert!(ratios(&image, &lit).iter().any(|ratio| *ratio < 0.8));
 }
 
 /// The part of a lone straight strand's light that its own map leaves, at an angle to the light's way.

@@ -1,4 +1,11 @@
 //! Tests of `pelage::shadow`.
 
+mod approximated_deep_shadow_map;
 mod deep_opacity_map;
+mod every;
+mod k_buffer_volume;
+mod moment_opacity_map;
 mod none;
+mod opacity_shadow_maps;
+mod shadow_map;
+mod support;

@@ -7,5 +7,5 @@
 pub mod framing;
 #[path = "../../examples/render/scene.rs"]
 pub mod scene;
-#[path = "../../examples/render/techniques.rs"]
+#[path = "../../examples/render/techniques/mod.rs"]
 pub mod techniques;

@@ -15,6 +15,7 @@ mod project;
 mod ray_optics;
 mod sadeghi;
 mod scheuermann;
+mod shadow_maps;
 mod transmittance;
 
 use pelage_reference::glam::DVec3;

@@ -5,19 +5,21 @@ use std::ptr::null;
 
 use ash::vk;
 use ash::vk::Handle;
+use glam::DMat4;
 
 use super::super::descriptor::{self, descriptor};
 use super::super::error::{PelageResult, guard};
-use super::super::frame::{GivenFrame, PelageFrame};
-use super::super::input::flags;
+use super::super::frame::{GivenFrame, PELAGE_VIEW_FLIP_Y, PELAGE_VIEW_REVERSE_Z, PelageFrame};
+use super::super::input::{flags, reserved};
 use super::super::registry::{PelageContext, State};
 use super::super::render::{
-    ALL_FLAGS, PELAGE_RENDER_CLEAR, PELAGE_RENDER_RECEIVE_SHADOW, PELAGE_RENDER_WRITE_DEPTH,
+    ALL_FLAGS, PELAGE_RENDER_CLEAR, PELAGE_RENDER_RECEIVE_SHADOW, PELAGE_RENDER_SHADOWS_ONLY,
+    PELAGE_RENDER_WRITE_DEPTH,
 };
 use super::{PELAGE_VULKAN_QUEUE_FAMILY_IGNORED, PelageVkImage, PelageVkSemaphore, owner};
 use crate::error::{Result, invalid};
 use crate::geometry::Hair;
-use crate::host::vulkan::{Image, MAX_VIEWS, Semaphore, View, ViewOutputs};
+use crate::host::vulkan::{Image, MAX_VIEWS, Semaphore, View, ViewOccluder, ViewOutputs};
 use crate::surface::Subresource;
 
 /// An image of the host's: one layer and one mip level of a 2D image. The other ones are not touched, and neither are their
@@ -91,6 +93,82 @@ impl Default for PelageVulkanImage {
 
 descriptor!(PelageVulkanImage, "PELAGE_VULKAN_IMAGE_INIT", owner_after: u32);
 
+/// The most shadow maps of the host's in one view.
+pub const PELAGE_MAX_OCCLUDERS: u32 = 8;
+
+const _: () = assert!(PELAGE_MAX_OCCLUDERS as usize == crate::MAX_OCCLUDERS);
+
+/// A shadow map of the host's, by which its opaque scene shadows the hair from one light. Of several maps for one light the
+/// first decides in whose clip space a point lies; what lies in none is lit.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageVulkanOccluder {
+    /// `sizeof(PelageVulkanOccluder)`.
+    pub struct_size: u32,
+    /// The light's place in the frame.
+    pub light: u32,
+    /// The depth of the opaque scene as the light sees it, with `VK_IMAGE_USAGE_SAMPLED_BIT`. Not NULL.
+    pub depth: *const PelageVulkanImage,
+    /// The clip space of that depth from world space, column-major. Can be inverted.
+    pub clip_from_world: [f64; 16],
+    /// `PELAGE_VIEW_REVERSE_Z` or `PELAGE_VIEW_FLIP_Y`, both, or 0.
+    pub flags: u32,
+    /// Width of the filter in texels: 1, 3 or 5.
+    pub pcf: u32,
+    /// How far a point is moved towards the light before it is compared, in host units, at least 0.
+    pub bias: f32,
+    /// 0.
+    pub reserved: u32,
+}
+
+impl Default for PelageVulkanOccluder {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            light: 0,
+            depth: null(),
+            clip_from_world: DMat4::IDENTITY.to_cols_array(),
+            flags: 0,
+            pcf: 3,
+            bias: 0.0,
+            reserved: 0,
+        }
+    }
+}
+
+descriptor!(PelageVulkanOccluder, "PELAGE_VULKAN_OCCLUDER_INIT", reserved: u32);
+
+/// An image of the hair's shadow from one light on the host's opaque scene, for the host's own lighting: each pixel of the
+/// view's rectangle holds the part of the light, 0 to 1, that the hair lets through to the point that the view's depth stands
+/// for; 1 at the far plane.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageVulkanShadowImage {
+    /// `sizeof(PelageVulkanShadowImage)`.
+    pub struct_size: u32,
+    /// The light's place in the frame.
+    pub light: u32,
+    /// Of the colour's size, with `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT`: `VK_FORMAT_R32_SFLOAT`, `VK_FORMAT_R16_SFLOAT`,
+    /// `VK_FORMAT_R8_UNORM`, `VK_FORMAT_R16G16B16A16_SFLOAT` or `VK_FORMAT_R8G8B8A8_UNORM`. Not NULL.
+    pub image: *const PelageVulkanImage,
+}
+
+impl Default for PelageVulkanShadowImage {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            light: 0,
+            image: null(),
+        }
+    }
+}
+
+descriptor!(
+    PelageVulkanShadowImage,
+    "PELAGE_VULKAN_SHADOW_IMAGE_INIT",
+    image: *const PelageVulkanImage
+);
+
 /// One view of a submission: a frame, and the images that it goes into.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -117,6 +195,14 @@ pub struct PelageVulkanView {
     pub motion: *const PelageVulkanImage,
     /// Hair, instance and strand: `VK_FORMAT_R32G32_UINT`.
     pub ids: *const PelageVulkanImage,
+    /// The host's shadow maps.
+    pub occluders: *const PelageVulkanOccluder,
+    /// Images of the hair's shadow on the opaque scene; they need a depth.
+    pub shadow_images: *const PelageVulkanShadowImage,
+    /// The number of shadow maps, at most `PELAGE_MAX_OCCLUDERS`.
+    pub occluder_count: u32,
+    /// The number of images, at most `PELAGE_MAX_LIGHTS`.
+    pub shadow_image_count: u32,
 }
 
 impl Default for PelageVulkanView {
@@ -131,11 +217,20 @@ impl Default for PelageVulkanView {
             coverage: null(),
             motion: null(),
             ids: null(),
+            occluders: null(),
+            shadow_images: null(),
+            occluder_count: 0,
+            shadow_image_count: 0,
         }
     }
 }
 
-descriptor!(PelageVulkanView, "PELAGE_VULKAN_VIEW_INIT", ids: *const PelageVulkanImage);
+descriptor!(
+    PelageVulkanView,
+    "PELAGE_VULKAN_VIEW_INIT",
+    shadow_image_count: u32,
+    since ids: *const PelageVulkanImage
+);
 
 /// A binary semaphore.
 pub const PELAGE_VULKAN_SEMAPHORE_BINARY: u32 = 0;
@@ -264,6 +359,9 @@ pub unsafe extern "C" fn pelage_vulkan_render(
                     receive_shadow: view.flags & PELAGE_RENDER_RECEIVE_SHADOW != 0,
                     rectangle: view.frame.rectangle,
                     outputs: view.outputs(),
+                    occluders: &view.occluders,
+                    shadow_images: &view.shadow_images,
+                    shadows_only: view.flags & PELAGE_RENDER_SHADOWS_ONLY != 0,
                 })
                 .collect();
             // SAFETY: images and semaphores are what the host says they are, and it keeps them until the GPU is done.
@@ -279,6 +377,8 @@ struct GivenView<'a> {
     depth: Option<Image>,
     /// Nearest depth, coverage, motion and ids.
     outputs: [Option<Image>; 4],
+    occluders: Vec<ViewOccluder>,
+    shadow_images: Vec<(usize, Image)>,
     flags: u32,
 }
 
@@ -302,7 +402,8 @@ unsafe fn read_views<'a>(
     let given = unsafe { descriptor::read_array("views", pointer, count, MAX_VIEWS) }?;
     let read = |(at, given): (usize, &PelageVulkanView)| {
         let name = |what: &str| format!("views[{at}]: {what}");
-        let flags = flags(&name("flags"), given.flags, ALL_FLAGS)?;
+        let all = ALL_FLAGS | PELAGE_RENDER_SHADOWS_ONLY;
+        let flags = flags(&name("flags"), given.flags, all)?;
         let optional = |what: &str, pointer| -> Result<Option<Image>> {
             // SAFETY: as above.
             let read = unsafe { descriptor::read_optional(&name(what), pointer) }?;
@@ -320,9 +421,46 @@ unsafe fn read_views<'a>(
                     optional("motion", given.motion)?,
                     optional("ids", given.ids)?,
                 ],
+                occluders: read_occluders(&name("occluders"), given)?,
+                shadow_images: read_shadow_images(&name("shadow_images"), given)?,
                 flags,
             })
         }
+    };
+    given.iter().enumerate().map(read).collect()
+}
+
+unsafe fn read_occluders(name: &str, view: &PelageVulkanView) -> Result<Vec<ViewOccluder>> {
+    let most = crate::MAX_OCCLUDERS;
+    // SAFETY: the rule of the module `capi`.
+    let given = unsafe { descriptor::read_array(name, view.occluders, view.occluder_count, most) }?;
+    let read = |(at, given): (usize, &PelageVulkanOccluder)| {
+        reserved("PelageVulkanOccluder", given.reserved)?;
+        let all = PELAGE_VIEW_REVERSE_Z | PELAGE_VIEW_FLIP_Y;
+        let flags = flags(&format!("{name}[{at}]: flags"), given.flags, all)?;
+        // SAFETY: as above.
+        let depth = unsafe { descriptor::read(&format!("{name}[{at}]: depth"), given.depth) }?;
+        Ok(ViewOccluder {
+            light: given.light as usize,
+            depth: image(&depth),
+            clip_from_world: DMat4::from_cols_array(&given.clip_from_world),
+            reverse_z: flags & PELAGE_VIEW_REVERSE_Z != 0,
+            flip_y: flags & PELAGE_VIEW_FLIP_Y != 0,
+            bias: given.bias,
+            pcf: given.pcf,
+        })
+    };
+    given.iter().enumerate().map(read).collect()
+}
+
+unsafe fn read_shadow_images(name: &str, view: &PelageVulkanView) -> Result<Vec<(usize, Image)>> {
+    let (pointer, count) = (view.shadow_images, view.shadow_image_count);
+    // SAFETY: the rule of the module `capi`.
+    let given = unsafe { descriptor::read_array(name, pointer, count, crate::MAX_LIGHTS) }?;
+    let read = |(at, given): (usize, &PelageVulkanShadowImage)| {
+        // SAFETY: as above.
+        let read = unsafe { descriptor::read(&format!("{name}[{at}]: image"), given.image) }?;
+        Ok((given.light as usize, image(&read)))
     };
     given.iter().enumerate().map(read).collect()
 }

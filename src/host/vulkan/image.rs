@@ -56,6 +56,10 @@ pub enum Aspect {
     Motion,
     /// [`crate::Outputs::ids`].
     Ids,
+    /// [`crate::Occluder::depth`].
+    Occluder,
+    /// [`crate::ShadowImage::image`].
+    ShadowImage,
 }
 
 const COLOURS: [(vk::Format, TextureFormat); 8] = [
@@ -104,6 +108,14 @@ const MOTIONS: [(vk::Format, TextureFormat); 2] = [
 ];
 
 const IDS: [(vk::Format, TextureFormat); 1] = [(vk::Format::R32G32_UINT, TextureFormat::Rg32Uint)];
+
+const SHADOW_IMAGES: [(vk::Format, TextureFormat); 5] = [
+    (vk::Format::R32_SFLOAT, TextureFormat::R32Float),
+    (vk::Format::R16_SFLOAT, TextureFormat::R16Float),
+    (vk::Format::R8_UNORM, TextureFormat::R8Unorm),
+    (vk::Format::R16G16B16A16_SFLOAT, TextureFormat::Rgba16Float),
+    (vk::Format::R8G8B8A8_UNORM, TextureFormat::Rgba8Unorm),
+];
 
 /// The colour formats that there are, whether or not a device can blend them.
 pub fn colour_formats() -> impl Iterator<Item = vk::Format> {
@@ -189,7 +201,9 @@ impl Image {
         self.subresource
             .validate(name, self.array_layers, self.mip_levels)?;
         let (needed, word) = match aspect {
-            Aspect::Depth => (vk::ImageUsageFlags::SAMPLED, "VK_IMAGE_USAGE_SAMPLED_BIT"),
+            Aspect::Depth | Aspect::Occluder => {
+                (vk::ImageUsageFlags::SAMPLED, "VK_IMAGE_USAGE_SAMPLED_BIT")
+            }
             _ => (
                 vk::ImageUsageFlags::COLOR_ATTACHMENT,
                 "VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT",
@@ -223,11 +237,12 @@ impl Image {
         let own = |(format, _): &(vk::Format, TextureFormat)| *format == self.format;
         let listed: &[_] = match aspect {
             Aspect::Colour => &COLOURS,
-            Aspect::Depth => &DEPTHS,
+            Aspect::Depth | Aspect::Occluder => &DEPTHS,
             Aspect::NearestDepth => &NEAREST_DEPTHS,
             Aspect::Coverage => &COVERAGES,
             Aspect::Motion => &MOTIONS,
             Aspect::Ids => &IDS,
+            Aspect::ShadowImage => &SHADOW_IMAGES,
         };
         if !listed.iter().any(own) {
             let possible: Vec<_> = listed
@@ -289,6 +304,8 @@ impl Aspect {
             Self::Coverage => "coverage",
             Self::Motion => "motion",
             Self::Ids => "ids",
+            Self::Occluder => "occluder",
+            Self::ShadowImage => "shadow_image",
         }
     }
 }
@@ -338,15 +355,16 @@ impl Wrapped {
         };
         // As little as the library uses: a texture needs no more of the image's usage.
         let (state, layout, aspects, usage) = match aspect {
-            Aspect::Depth => {
+            Aspect::Depth | Aspect::Occluder => {
                 let stencil = if format.has_stencil_aspect() {
                     vk::ImageAspectFlags::STENCIL
                 } else {
                     vk::ImageAspectFlags::empty()
                 };
-                let written = image
-                    .usage
-                    .contains(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
+                let written = aspect == Aspect::Depth
+                    && image
+                        .usage
+                        .contains(vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
                 let attachment = if written {
                     TextureUsages::RENDER_ATTACHMENT
                 } else {

@@ -32,9 +32,10 @@ use self::barrier::{Families, Step};
 use self::image::Wrapped;
 use super::lost::Lost;
 use crate::error::{Error, Result, invalid};
-use crate::frame::{Frame, Outputs, Target};
+use crate::frame::{Frame, Outputs, ShadowImage, Target};
 use crate::gather::PointSource;
 use crate::geometry::Hair;
+use crate::occluder::Occluder;
 use crate::renderer::Renderer;
 use crate::resources::RING;
 use crate::surface::Subresources;
@@ -68,6 +69,31 @@ pub struct View<'a> {
     pub rectangle: Option<[u32; 4]>,
     /// What else is written.
     pub outputs: ViewOutputs<'a>,
+    /// As of [`Target::occluders`].
+    pub occluders: &'a [ViewOccluder],
+    /// As of [`Target::shadow_images`]: lights and their images, each of the colour's size, with the usage `COLOR_ATTACHMENT`.
+    pub shadow_images: &'a [(usize, Image)],
+    /// As of [`Target::shadows_only`]. The colour is then taken and given back as it is.
+    pub shadows_only: bool,
+}
+
+/// A shadow map of the host's: [`crate::Occluder`] of its own image, with the usage `SAMPLED`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewOccluder {
+    /// As of [`crate::Occluder::light`].
+    pub light: usize,
+    /// The depth of the opaque scene as the light sees it.
+    pub depth: Image,
+    /// As of [`crate::Occluder::clip_from_world`].
+    pub clip_from_world: glam::DMat4,
+    /// As of [`crate::Occluder::reverse_z`].
+    pub reverse_z: bool,
+    /// As of [`crate::Occluder::flip_y`].
+    pub flip_y: bool,
+    /// As of [`crate::Occluder::bias`].
+    pub bias: f32,
+    /// As of [`crate::Occluder::pcf`].
+    pub pcf: u32,
 }
 
 /// The host's images for [`crate::Outputs`], all of the colour's size, with the usage `COLOR_ATTACHMENT`. What they hold
@@ -379,15 +405,51 @@ impl Vulkan {
         for (output, (aspect, image)) in outputs.iter_mut().zip(view.outputs.images()) {
             *output = image.map(|image| wrap(image, aspect)).transpose()?;
         }
+        let occluders = view
+            .occluders
+            .iter()
+            .map(|occluder| wrap(&occluder.depth, Aspect::Occluder))
+            .collect::<Result<Vec<_>>>()?;
+        let shadow_images = view
+            .shadow_images
+            .iter()
+            .map(|(_, image)| wrap(image, Aspect::ShadowImage))
+            .collect::<Result<Vec<_>>>()?;
         let images = || {
             let given = [Some(&colour), depth.as_ref()].into_iter();
-            given.chain(outputs.iter().map(Option::as_ref)).flatten()
+            let given = given.chain(outputs.iter().map(Option::as_ref)).flatten();
+            given.chain(&occluders).chain(&shadow_images)
         };
         let output = |at: usize| outputs[at].as_ref().map(|output| &output.texture);
 
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor {
             label: Some("pelage.vulkan"),
         });
+        let occluding: Vec<_> = view
+            .occluders
+            .iter()
+            .zip(&occluders)
+            .map(|(given, wrapped)| Occluder {
+                light: given.light,
+                depth: &wrapped.texture,
+                subresource: given.depth.subresource,
+                clip_from_world: given.clip_from_world,
+                reverse_z: given.reverse_z,
+                flip_y: given.flip_y,
+                bias: given.bias,
+                pcf: given.pcf,
+            })
+            .collect();
+        let shadows: Vec<_> = view
+            .shadow_images
+            .iter()
+            .zip(&shadow_images)
+            .map(|((light, given), wrapped)| ShadowImage {
+                light: *light,
+                image: &wrapped.texture,
+                subresource: given.subresource,
+            })
+            .collect();
         let target = Target {
             colour: &colour.texture,
             depth: depth.as_ref().map(|depth| &depth.texture),
@@ -401,6 +463,9 @@ impl Vulkan {
                 motion: output(2),
                 ids: output(3),
             },
+            occluders: &occluding,
+            shadow_images: &shadows,
+            shadows_only: view.shadows_only,
             subresources: view.subresources(),
         };
         renderer.record(&mut encoder, view.frame, &target)?;
@@ -408,11 +473,14 @@ impl Vulkan {
         // start, so that nothing happens to them.
         encoder.transition_resources(
             std::iter::empty(),
-            depth.iter().map(|depth| wgpu::TextureTransition {
-                texture: &depth.texture,
-                selector: None,
-                state: TextureUses::RESOURCE,
-            }),
+            depth
+                .iter()
+                .chain(&occluders)
+                .map(|depth| wgpu::TextureTransition {
+                    texture: &depth.texture,
+                    selector: None,
+                    state: TextureUses::RESOURCE,
+                }),
         );
         let barriers = |towards_us| {
             let layouts: Vec<_> = images()
@@ -500,7 +568,8 @@ impl Drop for Vulkan {
 impl View<'_> {
     fn validate(&self, formats: &image::Formats, families: &Families) -> Result<()> {
         self.colour.validate(Aspect::Colour, formats, families)?;
-        if self.colour.layout_in == vk::ImageLayout::UNDEFINED && !self.clear {
+        if self.colour.layout_in == vk::ImageLayout::UNDEFINED && (!self.clear || self.shadows_only)
+        {
             return invalid!(
                 "colour: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds; clear it, or name its layout"
             );
@@ -514,7 +583,7 @@ impl View<'_> {
         for (aspect, image) in self.others() {
             image.validate(aspect, formats, families)?;
             let name = aspect.name();
-            let kept = aspect == Aspect::Depth || !fills;
+            let kept = matches!(aspect, Aspect::Depth | Aspect::Occluder) || !fills;
             if image.layout_in == vk::ImageLayout::UNDEFINED && kept {
                 return invalid!(
                     "{name}: layout_in is VK_IMAGE_LAYOUT_UNDEFINED, which loses what the image holds"
@@ -548,9 +617,13 @@ impl View<'_> {
 
     /// The images that are given beside the colour.
     fn others(&self) -> impl Iterator<Item = (Aspect, &Image)> {
+        let occluders = self.occluders.iter();
+        let shadows = self.shadow_images.iter();
         std::iter::once((Aspect::Depth, self.depth))
             .chain(self.outputs.images())
             .filter_map(|(aspect, image)| Some((aspect, image?)))
+            .chain(occluders.map(|given| (Aspect::Occluder, &given.depth)))
+            .chain(shadows.map(|(_, image)| (Aspect::ShadowImage, image)))
     }
 }
 

@@ -9,7 +9,10 @@ use pelage::shading::{
     Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
     ShadingRate, Tables,
 };
-use pelage::shadow::{DeepOpacityMap, Shadow};
+use pelage::shadow::{
+    ApproximatedDeepShadowMap, DeepOpacityMap, KBufferVolume, MomentOpacityMap, OpacityShadowMaps,
+    Shadow, ShadowMap,
+};
 use pelage::transparency::{
     ABuffer, Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
     Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, Weight,
@@ -283,6 +286,108 @@ fn frame_models(dual_scattering: Option<DualScattering>) -> Vec<Shading> {
     models
 }
 
+/// Every shadow technique.
+fn shadows(quick: bool) -> Vec<Shadow> {
+    let resolutions: &[u32] = if quick {
+        &[256, 512]
+    } else {
+        &[128, 256, 512, 1024]
+    };
+    let mut shadows = Vec::new();
+    for &resolution in resolutions {
+        for pcf in [1, 3, 5] {
+            shadows.push(Shadow::ShadowMap(ShadowMap {
+                resolution,
+                pcf,
+                ..ShadowMap::default()
+            }));
+        }
+    }
+    // The strength that Hunz (§6.2.1) ends up with.
+    shadows.push(Shadow::ShadowMap(ShadowMap {
+        strength: 0.6,
+        ..ShadowMap::default()
+    }));
+    for &resolution in resolutions {
+        for pcf in [1, 3, 5] {
+            shadows.push(Shadow::ApproximatedDeepShadowMap(
+                ApproximatedDeepShadowMap {
+                    resolution,
+                    pcf,
+                    ..ApproximatedDeepShadowMap::default()
+                },
+            ));
+        }
+    }
+    for &resolution in resolutions {
+        // As many planes as one binding of a software driver holds.
+        let fits = |layers: &u32| resolution.pow(2) * layers <= 1 << 25;
+        for layers in [16, 64, 256].into_iter().filter(fits) {
+            for pcf in [1, 3] {
+                shadows.push(Shadow::OpacityShadowMaps(OpacityShadowMaps {
+                    resolution,
+                    layers,
+                    pcf,
+                    ..OpacityShadowMaps::default()
+                }));
+            }
+        }
+    }
+    for layers in [16, 64] {
+        shadows.push(Shadow::OpacityShadowMaps(OpacityShadowMaps {
+            layers,
+            unevenness: 0.5,
+            ..OpacityShadowMaps::default()
+        }));
+    }
+    for &resolution in resolutions {
+        for layers in [2, 4, 8, 16] {
+            for pcf in [1, 3] {
+                shadows.push(Shadow::DeepOpacityMap(DeepOpacityMap {
+                    resolution,
+                    layers,
+                    pcf,
+                    ..DeepOpacityMap::default()
+                }));
+            }
+        }
+    }
+    shadows.extend(volume_shadows(resolutions));
+    shadows
+}
+
+/// Moment opacity maps and k-buffer volumes over their settings.
+fn volume_shadows(resolutions: &[u32]) -> Vec<Shadow> {
+    let mut shadows = Vec::new();
+    for &resolution in resolutions {
+        for pcf in [1, 3] {
+            shadows.extend([4, 6].map(|moments| {
+                Shadow::MomentOpacityMap(MomentOpacityMap {
+                    resolution,
+                    moments,
+                    pcf,
+                    ..MomentOpacityMap::default()
+                })
+            }));
+        }
+        // 64 events of 1024² texels are more than a binding holds.
+        for k in [4, 8, 16, 64]
+            .into_iter()
+            .filter(|k| resolution * resolution * k <= 1 << 24)
+        {
+            shadows.extend([false, true].map(|tail| {
+                Shadow::KBufferVolume(KBufferVolume {
+                    resolution,
+                    k,
+                    tail,
+                    ..KBufferVolume::default()
+                })
+            }));
+        }
+    }
+    shadows
+}
+
 /// Every case, in the order of the tables. `quick` leaves out the largest maps.
 pub fn cases(quick: bool) -> Vec<Case> {
     let base = Case {
@@ -320,6 +425,11 @@ pub fn cases(quick: bool) -> Vec<Case> {
             .chain(fibre_models(&SAMPLE_STEPS))
             .map(|shading| opaque(Group::Samples, shading, Shadow::None, None)),
     );
+    cases.extend(
+        shadows(quick)
+            .into_iter()
+            .map(|shadow| opaque(Group::Shadow, white(0.0, 60.0), shadow, None)),
+    );
     for (dual, shadow) in [
         (None, Shadow::None),
         (
@@ -336,29 +446,6 @@ pub fn cases(quick: bool) -> Vec<Case> {
             };
             let rated = |rate: &Option<ShadingRate>| opaque(Group::Frames, shading, shadow, *rate);
             cases.extend(rates.iter().map(rated));
-        }
-    }
-    let resolutions: &[u32] = if quick {
-        &[256, 512]
-    } else {
-        &[256, 512, 1024]
-    };
-    for &resolution in resolutions {
-        for layers in [2, 4, 8, 16] {
-            for pcf in [1, 3] {
-                let map = DeepOpacityMap {
-                    resolution,
-                    layers,
-                    pcf,
-                    ..DeepOpacityMap::default()
-                };
-                cases.push(Case {
-                    group: Group::Shadow,
-                    shading: white(0.0, 60.0),
-                    shadow: Shadow::DeepOpacityMap(map),
-                    ..base.clone()
-                });
-            }
         }
     }
     let base = Case {

@@ -19,7 +19,8 @@ of white.
   the whole frame.
 - **Shadow**: transmittance at the strand points next to the nearest fragments of at most 6,000 pixels, against 64 rays
   over a disc of half a pixel's size; time of the light's passes, each submitted alone. \"Picture\" is the error of the shaded
-  nearest fragments.
+  nearest fragments. Convergence: the error of opacity shadow maps falls as N^-0.8 from 16 to 128 planes (a test on 2,000
+  straight strands: RMSE 0.132 to 0.0245), and is not yet the texels' own there.
 - **Samples**: each model by itself over the groom's strand points: the least nanoseconds a sample, of 2¹⁸ in a dispatch and up to 40 dispatches, with reading and
   writing a sample's 96 bytes; errors against the exact model, of the root of its mean square. MB are the tables' alone. At points and at
   fragments the models are the same; what differs is how many there are.
