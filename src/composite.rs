@@ -7,21 +7,19 @@ use crate::gpu::{Gpu, Group, Passes, PipelineKey, RenderSpec};
 use crate::plan::{Band, Plan};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
+use crate::shading::Shader;
 use crate::shadow::Shadow;
-use crate::transparency;
+use crate::transparency::{self, Transparency};
 
-/// What darkens the opaque scene, beside the look-up.
-pub(crate) const RECEIVE: &[&str] = &[
-    "common/light",
-    "common/host_position",
-    "common/fullscreen",
-    "receive",
-];
 /// What writes a light's shadow image, beside the look-up.
 pub(crate) const SHADOW_IMAGE: &[&str] =
     &["common/host_position", "common/fullscreen", "shadow_image"];
 /// The same where no hair shadows anything.
 pub(crate) const SHADOW_IMAGE_NONE: &[&str] = &["common/fullscreen", "shadow_image_none"];
+
+/// Pixels a side of the tiles in which the composite and the received shadow are drawn, `TILE` in WGSL: smaller ones fit what they
+/// cover more closely, but the pixels at their diagonals are shaded twice.
+const TILE: u32 = 32;
 
 /// Clears the target where the host asked for it.
 pub(crate) fn clear(passes: &mut Passes, target: &Target) {
@@ -65,11 +63,11 @@ pub(crate) fn receive(
         operation: wgpu::BlendOperation::Add,
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: plan.shadow.module().and(RECEIVE),
+        module: receive_module(&plan.shadow),
         vertex: "receive_vertex",
         fragment: "receive",
-        groups: &[Group::Frame, Group::MapsRead],
-        topology: wgpu::PrimitiveTopology::TriangleList,
+        groups: &[Group::Frame, Group::HostTilesRead, Group::MapsRead],
+        topology: wgpu::PrimitiveTopology::TriangleStrip,
         targets: vec![Some(wgpu::ColorTargetState {
             format,
             blend: Some(wgpu::BlendState {
@@ -89,11 +87,44 @@ pub(crate) fn receive(
             bound.frame,
             &[0, plan.bands[0].drawings[0], plan.runs[0].material],
         );
+        pass.set_bind_group(1, bound.host_tiles_read, &[]);
         pass.set_bind_group(2, bound.maps_read, &[]);
         set_area(&mut pass, plan, 0, plan.height);
-        pass.draw(0..3, 0..1);
+        draw_tiles(&mut pass, plan.width, plan.height);
     });
     Ok(())
+}
+
+/// The module of the received shadow.
+pub(crate) fn receive_module(shadow: &Shadow) -> Module {
+    shadow
+        .module()
+        .and(&[
+            "common/pixels",
+            "common/light",
+            "common/host_position",
+            "common/tiles",
+            "receive",
+        ])
+        .with("TILE", Constant::U32(TILE))
+}
+
+/// The module of the composite.
+pub(crate) fn module(transparency: &Transparency, parts: u32, shader: Option<&Shader>) -> Module {
+    let resolve = transparency::resolve_module(transparency, parts, shader);
+    let resolve = if transparency.counted() {
+        resolve
+            .and(&["common/tiles", "transparency/a_buffer_tiles"])
+            .with("TILE", Constant::U32(TILE))
+    } else {
+        resolve.and(&["common/fullscreen"])
+    };
+    resolve.and(&["composite"])
+}
+
+/// Draws an image of this size in tiles.
+fn draw_tiles(pass: &mut wgpu::RenderPass, width: u32, height: u32) {
+    pass.draw(0..4, 0..width.div_ceil(TILE) * height.div_ceil(TILE));
 }
 
 /// Writes the images of the hair's shadow on the opaque scene. Without `bound` there is no hair.
@@ -163,6 +194,7 @@ pub(crate) fn record(
     let format = target.colour.format();
     let depth = target.depth_surface().filter(|_| target.write_depth);
     let shader = plan.shader.of_fragments();
+    let tiled = plan.transparency.counted();
     let key = PipelineKey {
         shading: shader,
         colour: Some(format),
@@ -179,9 +211,12 @@ pub(crate) fn record(
         wgpu::CompareFunction::LessEqual
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: transparency::resolve_module(&plan.transparency, plan.parts, shader.as_ref())
-            .and(&["common/fullscreen", "composite"]),
-        vertex: "fullscreen_vertex",
+        module: module(&plan.transparency, plan.parts, shader.as_ref()),
+        vertex: if tiled {
+            "tiles_vertex"
+        } else {
+            "fullscreen_vertex"
+        },
         fragment: if depth.is_some() {
             "composite_with_depth"
         } else {
@@ -197,7 +232,11 @@ pub(crate) fn record(
                 Group::PixelsRead,
             ],
         },
-        topology: wgpu::PrimitiveTopology::TriangleList,
+        topology: if tiled {
+            wgpu::PrimitiveTopology::TriangleStrip
+        } else {
+            wgpu::PrimitiveTopology::TriangleList
+        },
         targets: vec![Some(wgpu::ColorTargetState {
             format,
             blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
@@ -233,7 +272,11 @@ pub(crate) fn record(
             pass.set_bind_group(2, bound.maps_read, &[]);
         }
         pass.set_bind_group(3, bound.read(plan), &[]);
-        pass.draw(0..3, 0..1);
+        if tiled {
+            draw_tiles(&mut pass, plan.width, band.rows);
+        } else {
+            pass.draw(0..3, 0..1);
+        }
     });
     Ok(())
 }

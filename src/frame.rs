@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result, invalid};
-use crate::geometry::Hair;
+use crate::geometry::{Hair, Projection};
 use crate::light::Light;
 use crate::occluder::Occluder;
 use crate::plan::Plan;
@@ -284,7 +284,10 @@ pub(crate) fn record(
             gpu,
             passes,
             &bound,
-            "pelage.shadow.project",
+            Projection {
+                crosses: map.crosses,
+                view: false,
+            },
             &map.drawings,
             plan,
         )?;
@@ -306,11 +309,15 @@ pub(crate) fn record(
         return Ok(());
     }
     geometry::host_tiles(gpu, passes, &bound, plan)?;
+    composite::receive(gpu, passes, &bound, plan, target)?;
     geometry::project(
         gpu,
         passes,
         &bound,
-        "pelage.geometry.project",
+        Projection {
+            crosses: plan.crosses,
+            view: true,
+        },
         &plan.bands[0].drawings,
         plan,
     )?;
@@ -331,9 +338,6 @@ pub(crate) fn record(
             shading::record(gpu, passes, &bound, plan)?;
         }
         transparency::record(gpu, passes, &bound, band, plan)?;
-        if band.first == 0 {
-            composite::receive(gpu, passes, &bound, plan, target)?;
-        }
         composite::record(gpu, passes, &bound, band, plan, target)?;
         composite::outputs(gpu, passes, &bound, band, plan, target)?;
     }

@@ -14,7 +14,7 @@ use crate::guided::Guiding;
 use crate::layout::{POINT_FIRST, POINT_LAST, POINT_STRAND, Point, PointAttributes, Projected};
 use crate::plan::Plan;
 use crate::resources::Bound;
-use crate::shader::Module;
+use crate::shader::{Constant, Module};
 use crate::shading::{Shading, ShadingRate};
 use crate::shadow::Shadow;
 use crate::transparency::Transparency;
@@ -506,18 +506,44 @@ pub(crate) fn host_tiles(
     Ok(())
 }
 
+/// What a projection is compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Projection {
+    /// Whether the near plane may cross the hair. Where it may not, a point behind it all the same takes its segments with it.
+    pub crosses: bool,
+    /// Whether segments that cannot be seen are marked.
+    pub view: bool,
+}
+
+impl Projection {
+    pub fn module(&self, files: &[&'static str]) -> Module {
+        Module::new(&["common/pixels", "common/project"])
+            .with("CROSSES", Constant::Bool(self.crosses))
+            .with("VIEW", Constant::Bool(self.view))
+            .and(files)
+    }
+}
+
 /// Projects every run's points for one view or map: each run's drawing says which.
 pub(crate) fn project(
     gpu: &mut Gpu,
     passes: &mut Passes,
     bound: &Bound,
-    label: &'static str,
+    projection: Projection,
     drawings: &[u32],
     plan: &Plan,
 ) -> Result<()> {
-    let key = PipelineKey::new("pelage.geometry.project");
+    let label = if projection.view {
+        "pelage.geometry.project"
+    } else {
+        "pelage.shadow.project"
+    };
+    let key = PipelineKey {
+        variant: u32::from(projection.crosses),
+        ..PipelineKey::new(label)
+    };
     let pipeline = gpu.compute(key, "project", &[Group::Frame, Group::Project], || {
-        Module::new(&["common/pixels", "common/project"])
+        projection.module(&[])
     })?;
     passes.compute(label, |pass| {
         pass.set_pipeline(&pipeline);

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 use crate::error::{Error, Result};
+use crate::layout::SPREAD_PARTS;
 use crate::memory::Forecast;
 use crate::raster::Rasteriser;
 use crate::shader::Module;
@@ -17,6 +18,7 @@ use crate::statistics::PassTime;
 pub(crate) enum Group {
     Frame,
     HostTiles,
+    HostTilesRead,
     Project,
     Order,
     Segments,
@@ -37,9 +39,10 @@ pub(crate) enum Group {
     BlendedRead,
 }
 
-const GROUPS: [Group; 19] = [
+const GROUPS: [Group; 20] = [
     Group::Frame,
     Group::HostTiles,
+    Group::HostTilesRead,
     Group::Project,
     Group::Order,
     Group::Segments,
@@ -67,6 +70,7 @@ impl Group {
         match self {
             Self::Frame => 0,
             Self::HostTiles
+            | Self::HostTilesRead
             | Self::Project
             | Self::Order
             | Self::Segments
@@ -129,6 +133,7 @@ impl Group {
                 ]
             }
             Self::HostTiles => vec![storage(0, Stages::COMPUTE, false)],
+            Self::HostTilesRead => vec![storage(0, Stages::VERTEX, true)],
             Self::Project => (0..4)
                 .map(|binding| storage(binding, Stages::COMPUTE, binding != 2))
                 .collect(),
@@ -162,7 +167,7 @@ impl Group {
                 .map(|binding| depth(binding, Stages::COMPUTE))
                 .collect(),
             Self::PixelsRead => (0..PIXEL_BUFFERS)
-                .map(|binding| storage(binding, Stages::FRAGMENT, true))
+                .map(|binding| storage(binding, Stages::FRAGMENT | Stages::VERTEX, true))
                 .collect(),
             Self::Sorting => (0..2)
                 .map(|binding| storage(binding, Stages::COMPUTE, false))
@@ -698,6 +703,11 @@ pub(crate) fn workgroups(count: u32) -> (u32, u32) {
     let groups = count.div_ceil(64).max(1);
     let columns = groups.min(32768);
     (columns, groups.div_ceil(columns))
+}
+
+/// The same where work is spread: a multiple of the parts among which it is.
+pub(crate) fn spread_workgroups(count: u32) -> (u32, u32) {
+    workgroups(count.max(1).next_multiple_of(64 * SPREAD_PARTS))
 }
 
 /// Where passes are recorded: in the host's encoder, or one submission a pass, to time each.

@@ -32,6 +32,8 @@ pub const FIBRE_POINT_VECTORS: u64 = 2;
 pub const FIBRE_RUN_VECTORS: u64 = 17;
 /// Keys by which segments are ordered; `ORDER_KEYS` in WGSL.
 pub const ORDER_KEYS: u64 = 2048;
+/// Parts of a dispatch whose work is spread; `SPREAD_PARTS` in WGSL.
+pub const SPREAD_PARTS: u32 = 64;
 /// Pixels that one workgroup of the scan treats; `SCAN_BLOCK` in WGSL.
 pub const SCAN_BLOCK: u32 = 2048;
 

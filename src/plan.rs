@@ -9,7 +9,7 @@ use glam::{DMat4, DVec3, DVec4, Vec3};
 use crate::error::{Error, Result, invalid};
 use crate::frame::{Frame, ShadowImage, Target};
 use crate::geometry::{Hair, Instance, MAX_FRAME_POINTS, Run};
-use crate::gpu::{Gpu, workgroups};
+use crate::gpu::{Gpu, spread_workgroups};
 use crate::layout::{
     self, FIBRE_POINT_VECTORS, FIBRE_RUN_VECTORS, MAX_LIGHTS, MAX_OCCLUDERS, MAX_SHADOW_VIEWS,
     UNIFORM_STRIDE,
@@ -21,7 +21,7 @@ use crate::raster::Rasteriser;
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
 use crate::shadow::{Fibres, Shadow, Shape, Sight};
-use crate::transparency::a_buffer::FRAGMENT_BYTES;
+use crate::transparency::a_buffer::{FRAGMENT_BYTES, KEY_BYTES};
 use crate::transparency::nearest::Sought;
 use crate::transparency::sorted_blending::Sorting;
 use crate::transparency::{Needs, Transparency};
@@ -46,6 +46,8 @@ pub(crate) struct PlannedMap {
     pub technique: Shadow,
     pub shape: Shape,
     pub rasteriser: Rasteriser,
+    /// Whether the map's near plane may cross the hair.
+    pub crosses: bool,
     /// Uniform offsets, one a run.
     pub drawings: Vec<u32>,
     pub splits: u32,
@@ -103,20 +105,23 @@ pub(crate) struct Plan {
     pub sorting: Sorting,
     /// Whether this frame sorts anew.
     pub sort: bool,
+    /// Whether the view's near plane may cross the hair.
+    pub crosses: bool,
     /// Whether the technique cuts off what cannot be seen.
     pub cuts: bool,
     /// Whether an output asks for a record of each point.
     pub tracked: bool,
     /// The pixel of the target that the view begins at.
     pub origin: [u32; 2],
-    /// Parts of the fragment pool that the frame uses, from 1 to 3.
+    /// Parts of the fragment pool that the frame uses, 1 or 2.
     pub parts: u32,
     pub frame_uniform: layout::Frame,
 }
 
-/// Fragments that each of the pool's parts holds: what one binding holds.
+/// Fragments of which each of the pool's two parts holds what is not their key: what one binding holds. One binding holds as many
+/// keys as both.
 pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
-    gpu.max_binding() / FRAGMENT_BYTES
+    gpu.max_binding() / (FRAGMENT_BYTES - KEY_BYTES)
 }
 
 /// Times the optical depth that cuts a pixel off that there must be on average for the search of the cut-off to pay: where it
@@ -294,7 +299,7 @@ impl Plan {
         }
 
         let largest = runs.iter().map(|run| run.run.count).max().unwrap_or(0);
-        let (_, rows) = workgroups(largest);
+        let (_, rows) = spread_workgroups(largest);
         let mut plan = Self {
             width,
             height,
@@ -333,6 +338,12 @@ impl Plan {
             sought,
             sorting: Sorting::default(),
             sort: false,
+            crosses: crosses(
+                &clip_from_relative,
+                frame.view.reverse_z,
+                frame.hairs,
+                &placed,
+            ),
             cuts: match transparency {
                 Transparency::DbkBuffer(settings) => {
                     settings.depth_shift.is_some()
@@ -479,7 +490,7 @@ impl Plan {
         self.frame_uniform.capacity = capacity as u32;
         self.parts = capacity
             .div_ceil(u64::from(self.frame_uniform.part_capacity))
-            .clamp(1, 3) as u32;
+            .clamp(1, 2) as u32;
         let size = std::mem::size_of::<layout::Frame>();
         self.uniforms[..size].copy_from_slice(bytemuck::bytes_of(&self.frame_uniform));
     }
@@ -603,6 +614,7 @@ impl Plan {
             colour: shape.colour,
         };
         let seen = Seen {
+            image_px: f64::from(shape.resolution).powi(2),
             half_width_px: half_width,
             length_px: f64::from(shape.resolution),
             fragments: 0.0,
@@ -629,6 +641,7 @@ impl Plan {
             },
         );
         self.maps.push(PlannedMap {
+            crosses: crosses(&camera.clip_from_relative, false, frame.hairs, placed),
             technique,
             shape,
             rasteriser: shape.raster.choose(half_width),
@@ -695,6 +708,26 @@ impl Plan {
             });
         }
     }
+}
+
+/// Rounding of a point's distance from the near plane, as part of its clip coordinates, many times over.
+const NEAR_PLANE_ROUNDING: f64 = 1e-4;
+
+/// Whether the near plane may cross the hair's boxes. What the GPU moves may be anywhere.
+fn crosses(
+    clip_from_relative: &DMat4,
+    reverse_z: bool,
+    hairs: &[&Hair],
+    placed: &[Placed],
+) -> bool {
+    let behind = |corner: &DVec3| {
+        let clip = *clip_from_relative * corner.extend(1.0);
+        let distance = if reverse_z { clip.w - clip.z } else { clip.z };
+        distance < NEAR_PLANE_ROUNDING * clip.w.abs().max(clip.z.abs())
+    };
+    placed
+        .iter()
+        .any(|placed| hairs[placed.hair].geometry.gathered || placed.corners.iter().any(behind))
 }
 
 /// One light as one placed hair is lit by it.

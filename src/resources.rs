@@ -14,7 +14,7 @@ use crate::plan::{Plan, part_capacity};
 use crate::raster::{ATTACHMENT, Rasteriser};
 use crate::shading::{ShadingRate, tables, transmission};
 use crate::surface::{Subresource, Surface};
-use crate::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
+use crate::transparency::a_buffer::{self, FRAGMENT_BYTES, KEY_BYTES, NODE_BYTES};
 use crate::transparency::{Fragments, Transparency, read_group};
 
 /// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
@@ -131,6 +131,7 @@ struct Groups {
     tables_read: Option<wgpu::BindGroup>,
     runs: Vec<RunGroups>,
     host_tiles: wgpu::BindGroup,
+    host_tiles_read: wgpu::BindGroup,
     maps_written: wgpu::BindGroup,
     maps_read: wgpu::BindGroup,
     pixels_written: wgpu::BindGroup,
@@ -145,6 +146,7 @@ pub(crate) struct Bound<'a> {
     pub frame_without_depth: &'a wgpu::BindGroup,
     pub runs: &'a [RunGroups],
     pub host_tiles: &'a wgpu::BindGroup,
+    pub host_tiles_read: &'a wgpu::BindGroup,
     /// The shading models' tables, where they are still to be filled.
     pub tables: Option<&'a wgpu::BindGroup>,
     /// The same, where fragments are shaded and read them.
@@ -607,9 +609,9 @@ impl Resources {
         let held = self.fragments_held(part);
         // Lists keep their links in one binding.
         let most = if lists {
-            (3 * part).min(gpu.max_binding() / 4)
+            (2 * part).min(gpu.max_binding() / 4)
         } else {
-            3 * part
+            (2 * part).min(gpu.max_binding() / KEY_BYTES)
         };
         let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),
@@ -623,8 +625,8 @@ impl Resources {
         let left = (growth.left().saturating_sub(reserve) / each).saturating_add(held);
         let wanted = wanted.min(left).max(1);
         if held < wanted {
-            for (number, slot) in self.pixels.fragments.iter_mut().enumerate() {
-                let bytes = wanted.saturating_sub(number as u64 * part).min(part) * FRAGMENT_BYTES;
+            let bytes = a_buffer::pool_bytes(wanted, part);
+            for (slot, bytes) in self.pixels.fragments.iter_mut().zip(bytes) {
                 growth.buffer_anew(slot, FRAGMENTS, bytes)?;
             }
         }
@@ -644,17 +646,15 @@ impl Resources {
         })
     }
 
-    /// Fragments that the pool's parts hold: a part counts where the one before it is full.
+    /// Fragments that the pool holds, by keys and by the rest of them: the second part counts where the first one is full.
     fn fragments_held(&self, part: u64) -> u64 {
-        let mut held = 0;
-        for slot in &self.pixels.fragments {
-            let fragments = (slot.size() / FRAGMENT_BYTES).min(part);
-            held += fragments;
-            if fragments < part {
-                break;
-            }
+        let [keys, first, second] = self.pixels.fragments.each_ref().map(|slot| slot.size());
+        let rest = FRAGMENT_BYTES - KEY_BYTES;
+        let mut held = (first / rest).min(part);
+        if held == part {
+            held += (second / rest).min(part);
         }
-        held
+        held.min(keys / KEY_BYTES)
     }
 
     /// The attachment of ribbons, as large as the largest image that they draw.
@@ -899,6 +899,11 @@ impl Resources {
                 Group::HostTiles,
                 &[self.host_tiles.binding()],
             ),
+            host_tiles_read: gpu.bind(
+                "pelage.host_tiles_read",
+                Group::HostTilesRead,
+                &[self.host_tiles.binding()],
+            ),
             maps_written: gpu.bind(
                 "pelage.maps_written",
                 Group::MapsWritten,
@@ -1008,6 +1013,7 @@ impl Resources {
             frame_without_depth: slot.frame_without_depth.as_ref()?,
             runs: &groups.runs,
             host_tiles: &groups.host_tiles,
+            host_tiles_read: &groups.host_tiles_read,
             tables: groups.tables_written.as_ref().filter(|_| slot.fills > 0),
             tables_read: groups.tables_read.as_ref(),
             maps_written: &groups.maps_written,

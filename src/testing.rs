@@ -6,6 +6,7 @@ use std::mem::offset_of;
 
 use crate::Renderer;
 use crate::composite;
+use crate::geometry::Projection;
 use crate::gpu::GUARD;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
@@ -296,7 +297,7 @@ pub fn combinations() -> Vec<Combination> {
                         "{} {} {rasteriser}, shaded by {rate:?}",
                         emission.label, emission.stage
                     ),
-                    emission.module(rasteriser, 3, rate),
+                    emission.module(rasteriser, 2, rate),
                 ));
             }
         }
@@ -368,21 +369,23 @@ pub fn combinations() -> Vec<Combination> {
     for (name, technique) in &techniques {
         modules.push((
             format!("composite {name}"),
-            resolve_module(technique, 3, None).and(&["common/fullscreen", "composite"]),
+            composite::module(technique, 2, None),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
-                resolve_module(technique, 3, None)
+                resolve_module(technique, 2, None)
                     .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
         }
     }
-    modules.push((
-        "project".into(),
-        Module::new(&["common/pixels", "common/project"]),
-    ));
+    for crosses in [false, true] {
+        for view in [false, true] {
+            let module = Projection { crosses, view }.module(&[]);
+            modules.push((format!("project, crosses {crosses}, view {view}"), module));
+        }
+    }
     modules.push(("order".into(), Module::new(&["common/order"])));
     modules.push((
         "host_tiles".into(),
@@ -391,6 +394,7 @@ pub fn combinations() -> Vec<Combination> {
     modules.push(("dbk_buffer depths".into(), dbk_buffer::depths_module()));
     modules.push(("dbk_buffer drop".into(), dbk_buffer::drop_module()));
     modules.push(("dbk_buffer pixels".into(), dbk_buffer::pixels_module()));
+    modules.push(("dbk_buffer cut".into(), dbk_buffer::cut_module()));
     for again in [false, true] {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
@@ -424,8 +428,7 @@ pub fn combinations() -> Vec<Combination> {
                 if !technique.shades_fragments() || !(usual || *technique_name == "counted") {
                     continue;
                 }
-                let module = resolve_module(technique, 3, Some(&shader))
-                    .and(&["common/fullscreen", "composite"]);
+                let module = composite::module(technique, 2, Some(&shader));
                 modules.push((format!("composite {technique_name}, {name}"), module));
             }
         }
@@ -433,7 +436,7 @@ pub fn combinations() -> Vec<Combination> {
     for shadow in shadows().iter().filter(|shadow| **shadow != Shadow::None) {
         modules.push((
             format!("receive {}", shadow.stem()),
-            shadow.module().and(composite::RECEIVE),
+            composite::receive_module(shadow),
         ));
         modules.push((
             format!("shadow_image {}", shadow.stem()),
@@ -592,6 +595,7 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("FIBRE_POINT_VECTORS", layout::FIBRE_POINT_VECTORS as u32),
         ("FIBRE_RUN_VECTORS", layout::FIBRE_RUN_VECTORS as u32),
         ("ORDER_KEYS", layout::ORDER_KEYS as u32),
+        ("SPREAD_PARTS", layout::SPREAD_PARTS),
     ]
 }
 

@@ -6,7 +6,7 @@ use pelage::host::offscreen::Image as Held;
 use pelage::raster::Raster;
 use pelage::shadow::{DeepOpacityMap, Shadow};
 use pelage::transparency::{Opaque, Storage, Transparency};
-use pelage::{Frame, Hair, Light, Statistics, Target, View, wgpu};
+use pelage::{Frame, Hair, Light, LightKind, ShadowImage, Statistics, Target, View, wgpu};
 use pelage_reference::composite::{Image, nearest_depth};
 
 use crate::common::images::{
@@ -399,4 +399,89 @@ fn what_lies_at_the_far_plane_receives_no_shadow() {
     assert_eq!(with, without);
     let (bare, _) = render(&mut device, &frame, size);
     assert_eq!(bare.pixels.len(), with.pixels.len());
+}
+
+/// Both look the same map up by the same functions: half floats are left.
+const SAME_SHADOW: f32 = 1e-3;
+
+#[test]
+fn the_shadow_is_received_wherever_a_shadow_image_has_it() {
+    let Some(mut device) = device() else { return };
+    let hair = scene(&mut device, 0.6);
+    let hairs = [&hair];
+    // Steps of scenery from before the hair to far behind it, with holes through which there is none.
+    let depths: Vec<f32> = (0..SIZE[0] * SIZE[1])
+        .map(|i| {
+            let [x, y] = [i % SIZE[0], i / SIZE[0]];
+            let distance = 0.6 + 0.25 * f64::from((x / 13 + y / 17) % 9);
+            let hole = (40..90).contains(&x) && (64..100).contains(&y);
+            let depth = 10.0 / 9.9 * (1.0 - 0.1 / distance);
+            if hole { 1.0 } else { depth as f32 }
+        })
+        .collect();
+    let shadow = Some(Shadow::DeepOpacityMap(DeepOpacityMap {
+        pcf: 1,
+        ..Default::default()
+    }));
+    let white = Vec3::ONE;
+    let (above, inside) = (DVec3::new(0.1, 0.5, 0.4), DVec3::new(0.02, 0.0, 0.15));
+    for light in [
+        Light::directional(DVec3::new(-0.5, -0.6, -0.7), white),
+        Light::directional(DVec3::new(0.9, 0.1, -0.2), white),
+        Light::point(above, white),
+        Light::spot(above, DVec3::new(-0.1, -0.6, -0.5), white, [0.3, 0.4]),
+        Light::point(inside, white),
+    ] {
+        let lights = [Light { shadow, ..light }];
+        for reverse in [false, true] {
+            let view = portrait(SIZE);
+            let frame = Frame {
+                hairs: &hairs,
+                lights: &lights,
+                ambient: Vec3::ZERO,
+                view: if reverse { reversed(&view) } else { view },
+                transparency: None,
+            };
+            let depths: Vec<f32> = depths
+                .iter()
+                .map(|depth| if reverse { 1.0 - depth } else { *depth })
+                .collect();
+            let held = target(&mut device, SIZE, Vec3::ONE.extend(0.0), &depths);
+            let format = wgpu::TextureFormat::Rgba16Float;
+            let image = device
+                .create_image(SIZE[0], SIZE[1], format, false)
+                .unwrap();
+            let wanted = [ShadowImage {
+                light: 0,
+                image: &image.colour,
+                subresource: Default::default(),
+            }];
+            let target = Target {
+                depth: held.depth.as_ref(),
+                clear: false,
+                receive_shadow: true,
+                shadow_images: &wanted,
+                ..Target::cleared(&held.colour)
+            };
+            device.render(&frame, &target).unwrap();
+            let expected = device.read_colour(&image.colour).unwrap();
+            let actual = device.read_colour(&held.colour).unwrap();
+            let mut shadowed = [0, 0];
+            for (i, (a, e)) in actual.iter().zip(&expected).enumerate() {
+                // Where there is no hair the scene is seen. What a spot does not light has no shadow to receive.
+                if a.w > 0.0 || matches!(light.kind, LightKind::Spot { .. }) && a.x == 1.0 {
+                    continue;
+                }
+                shadowed[usize::from(e.x < 0.9)] += 1;
+                assert!(
+                    (a.x - e.x).abs() <= SAME_SHADOW,
+                    "{light:?}, reversed {reverse}: pixel {i} has {a} for {e}"
+                );
+            }
+            assert!(
+                shadowed[0] > 100 && shadowed[1] > 100,
+                "{light:?}: {shadowed:?}"
+            );
+        }
+    }
 }

@@ -111,10 +111,9 @@ fn every_file_of_the_shader_folder_is_known() {
 
 #[test]
 fn shared_structs_have_the_same_sizes_and_offsets_in_rust_and_wgsl() {
-    let module = parsed(
-        "project",
-        &testing::module_source(&["common/pixels", "common/project"]),
-    );
+    let source = testing::module_source(&["common/pixels", "common/project"]);
+    let header = "const CROSSES: bool = true;\nconst VIEW: bool = true;\n";
+    let module = parsed("project", &format!("{header}{source}"));
     for layout in testing::layouts() {
         let (members, span) = wgsl_struct(&module, layout.name);
         // An array of them steps by the size rounded up to the alignment, which naga's span is.

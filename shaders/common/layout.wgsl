@@ -128,7 +128,7 @@ struct Frame {
     // The largest run's points, and the rows of workgroups of its walk.
     run_points: u32,
     run_rows: u32,
-    // Fragments that each of the pool's three parts holds.
+    // Fragments of which each of the pool's two parts holds what is not their key.
     part_capacity: u32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
@@ -140,7 +140,7 @@ struct Frame {
     // What strands' hashes are made with.
     seed: u32,
     // How a depth key and a point share a word: the nearest key of the frame's hair, and bits by which keys are shifted, with
-    // the bits of a point above them.
+    // the bits of a point above them, and above these the bits by which they are shifted to place the DBK-buffer's bins.
     key_first: u32,
     key_packing: u32,
     // A depth's place in the extent of all hair along the view's axis, from 0 to 1: (x depth + y) / (z depth + w).
@@ -187,6 +187,9 @@ struct Sample {
     padding_0: f32,
     padding_1: f32,
 }
+
+// Parts of a dispatch whose work is spread, a power of two: its workgroups are a multiple of them.
+const SPREAD_PARTS: u32 = 64u;
 
 // The most fragments of one pixel that counted arrays store: to order more would take more steps than some drivers' loops
 // have. The rest goes to the pixel's tail.

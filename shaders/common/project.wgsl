@@ -4,6 +4,9 @@
 // The half-width is that of the silhouette: with o = normalize(T × V), T the strand's tangent and V the way to the
 // eye, it is the distance of the projection of P + r·o from the projected axis. Written as the exact difference
 // r (c_xy - ndc c_w) / (w + r c_w), c = M (o, 0), it does not cancel for fibres of 0.01 px.
+//
+// The header says whether the near plane may cross the hair's box, CROSSES, and whether what cannot be seen is sought, VIEW:
+// drivers that run on a CPU would pay for both wherever they were not.
 
 @group(1) @binding(0) var<storage, read> points: array<Point>;
 @group(1) @binding(1) var<storage, read> attributes: array<PointAttributes>;
@@ -38,19 +41,6 @@ fn project_unit(v: vec3f) -> vec3f {
     return select(vec3f(0.0), v / max(size, 1e-30), size > 1e-30);
 }
 
-// The unit direction from a point to its nearest distinct neighbour on one side; zero where there is none.
-fn project_tangent(index: u32, position: vec3f, forward: bool) -> vec3f {
-    let stop = select(POINT_FIRST, POINT_LAST, forward);
-    var at = index;
-    for (var step = 0u; step < PROJECT_SEARCH; step++) {
-        if (attributes[at].strand & stop) != 0u { break; }
-        at = select(at - 1u, at + 1u, forward);
-        let direction = project_unit(project_relative(at) - position);
-        if any(direction != vec3f(0.0)) { return direction; }
-    }
-    return vec3f(0.0);
-}
-
 // How far from the point behind it to the one before it a segment crosses the near plane, from 0 to 1.
 fn project_crossing(behind: vec3f, before: vec3f) -> f32 {
     let g0 = project_near_distance(project_clip(behind));
@@ -62,33 +52,43 @@ fn project_cut(behind: vec3f, before: vec3f) -> vec3f {
     return mix(behind, before, project_crossing(behind, before));
 }
 
-// What one side of a point looks like on the screen.
+// What one side of a point looks like.
 struct ProjectSide {
-    // Unit direction towards the next distinct point; zero where there is none.
+    // On the screen: unit direction towards the next distinct point; zero where there is none.
     direction: vec2f,
-    // Along the strand to its end, or 1 where that is farther.
+    // Along the strand to its end on the screen, or 1 where that is farther.
     distance: f32,
+    // Unit direction towards the next distinct point.
+    tangent: vec3f,
 }
 
 fn project_side(index: u32, position: vec3f, forward: bool) -> ProjectSide {
     let stop = select(POINT_FIRST, POINT_LAST, forward);
-    var side = ProjectSide(vec2f(0.0), 0.0);
+    var side = ProjectSide(vec2f(0.0), 0.0, vec3f(0.0));
     var here = project_pixel(project_clip(position));
     var at = index;
+    var measured = false;
     for (var step = 0u; step < PROJECT_SEARCH; step++) {
-        if (attributes[at].strand & stop) != 0u { return side; }
+        if (attributes[at].strand & stop) != 0u { break; }
         at = select(at - 1u, at + 1u, forward);
         var neighbour = project_relative(at);
-        let cut = project_near_distance(project_clip(neighbour)) < 0.0;
-        if cut { neighbour = project_cut(neighbour, position); }
-        let there = project_pixel(project_clip(neighbour));
-        let offset = there - here;
-        let distance = length(offset);
-        if all(side.direction == vec2f(0.0)) && distance > PROJECT_COINCIDENT_PX { side.direction = offset / distance; }
-        side.distance += distance;
-        if cut || side.distance >= 1.0 { break; }
-        // Points that coincide are measured from the last distinct one.
-        if distance > PROJECT_COINCIDENT_PX { here = there; } else { side.distance -= distance; }
+        if all(side.tangent == vec3f(0.0)) { side.tangent = project_unit(neighbour - position); }
+        if !measured {
+            var cut = false;
+            if CROSSES {
+                cut = project_near_distance(project_clip(neighbour)) < 0.0;
+                if cut { neighbour = project_cut(neighbour, position); }
+            }
+            let there = project_pixel(project_clip(neighbour));
+            let offset = there - here;
+            let distance = length(offset);
+            if all(side.direction == vec2f(0.0)) && distance > PROJECT_COINCIDENT_PX { side.direction = offset / distance; }
+            side.distance += distance;
+            measured = cut || side.distance >= 1.0;
+            // Points that coincide are measured from the last distinct one.
+            if distance > PROJECT_COINCIDENT_PX { here = there; } else if !measured { side.distance -= distance; }
+        }
+        if measured && any(side.tangent != vec3f(0.0)) { break; }
     }
     side.distance = min(side.distance, 1.0);
     return side;
@@ -107,14 +107,19 @@ const PROJECT_TILES: u32 = 64u;
 struct ProjectReach {
     known: bool,
     outside: bool,
+    // The tiles that hold its box.
     first: vec2u,
     last: vec2u,
     nearest: u32,
     farthest: u32,
+    // Its ends in pixels, and how far from the line between them it can touch a pixel.
+    start: vec2f,
+    end: vec2f,
+    reach: f32,
 }
 
 fn project_reach(here: Projected, next: vec3f, next_radius: f32) -> ProjectReach {
-    var found = ProjectReach(false, false, vec2u(0u), vec2u(0u), 0u, 0u);
+    var found = ProjectReach(false, false, vec2u(0u), vec2u(0u), 0u, 0u, vec2f(0.0), vec2f(0.0), 0.0);
     let clip = project_clip(next);
     if project_near_distance(clip) < 0.0 || clip.w <= 0.0 { return found; }
     let there = project_pixel(clip);
@@ -130,6 +135,9 @@ fn project_reach(here: Projected, next: vec3f, next_radius: f32) -> ProjectReach
     let low = min(here.position, there) - reach;
     let high = max(here.position, there) + reach;
     found.known = true;
+    found.start = here.position;
+    found.end = there;
+    found.reach = reach;
     found.outside = any(high < vec2f(0.0)) || any(low > drawing.viewport);
     found.first = vec2u(clamp(low, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
     found.last = vec2u(clamp(high, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
@@ -139,6 +147,39 @@ fn project_reach(here: Projected, next: vec3f, next_radius: f32) -> ProjectReach
     return found;
 }
 
+// How a segment's tiles are visited: in steps along the axis on which it covers more of them, and at each step those of its box
+// that the line, as wide as it is, may touch.
+struct ProjectWay {
+    steep: bool,
+    first: vec2u,
+    last: vec2u,
+    start: vec2f,
+    slope: f32,
+    extent: f32,
+}
+
+fn project_way(found: ProjectReach) -> ProjectWay {
+    let way = found.end - found.start;
+    var w: ProjectWay;
+    w.steep = abs(way.y) > abs(way.x);
+    w.first = select(found.first.xy, found.first.yx, w.steep);
+    w.last = select(found.last.xy, found.last.yx, w.steep);
+    w.start = select(found.start.xy, found.start.yx, w.steep);
+    let along = select(way.xy, way.yx, w.steep);
+    w.slope = select(along.y / along.x, 0.0, along.x == 0.0);
+    // The line's distance from a point along the minor axis, for a distance of `reach` across it: at most √2 times as much. And
+    // half a tile's change, and a little for rounding.
+    w.extent = 1.4143 * found.reach + 0.5 * f32(HOST_TILE) * abs(w.slope) + 0.01;
+    return w;
+}
+
+// The first and the last tile of a step, across.
+fn project_step(w: ProjectWay, major: u32) -> vec2u {
+    let middle = w.start.y + ((f32(major) + 0.5) * f32(HOST_TILE) - w.start.x) * w.slope;
+    let bounds = clamp(vec2f(middle - w.extent, middle + w.extent), vec2f(0.0), vec2f(1e6));
+    return clamp(vec2u(bounds) / HOST_TILE, vec2u(w.first.y), vec2u(w.last.y));
+}
+
 // PROJECTED_UNSEEN, PROJECTED_IN_FRONT, or neither.
 fn project_visibility(found: ProjectReach) -> u32 {
     if !found.known { return 0u; }
@@ -146,12 +187,15 @@ fn project_visibility(found: ProjectReach) -> u32 {
     if (drawing.flags & DRAWING_HOST_DEPTH) == 0u { return PROJECTED_IN_FRONT; }
     let size = found.last - found.first + 1u;
     if size.x * size.y > PROJECT_TILES { return 0u; }
+    let way = project_way(found);
     let columns = (u32(drawing.viewport.x) + HOST_TILE - 1u) / HOST_TILE;
     var hidden = true;
     var in_front = true;
-    for (var y = found.first.y; y <= found.last.y; y++) {
-        for (var x = found.first.x; x <= found.last.x; x++) {
-            let tile = host_tiles[y * columns + x];
+    for (var major = way.first.x; major <= way.last.x; major++) {
+        let minors = project_step(way, major);
+        for (var minor = minors.x; minor <= minors.y; minor++) {
+            let place = select(minor * columns + major, major * columns + minor, way.steep);
+            let tile = host_tiles[place];
             hidden = hidden && found.nearest > tile.x;
             in_front = in_front && found.farthest < tile.y;
         }
@@ -203,47 +247,49 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let limit = f32(PROJECTED_DISTANCE_MAX);
     if project_near_distance(project_clip(exact)) < 0.0 {
         flags |= PROJECTED_BEHIND;
-        if !is_last {
-            let next = project_relative(index + 1u);
-            if project_near_distance(project_clip(next)) >= 0.0 {
-                position = project_cut(exact, next);
-                tangent = project_unit(next - exact);
-                radius = mix(radius, points[index + 1u].radius, project_crossing(exact, next));
-                flags |= PROJECTED_CUT_START | u32(project_crossing(exact, next) * limit + 0.5);
-            }
-        }
-        if !is_first {
-            let previous = project_relative(index - 1u);
-            if project_near_distance(project_clip(previous)) >= 0.0 {
-                let cut = project_cut(exact, previous);
-                let crossing = project_crossing(exact, previous);
-                let cut_radius = mix(points[index].radius, points[index - 1u].radius, crossing);
-                var along = 1.0 - crossing;
-                if (flags & PROJECTED_CUT_START) == 0u {
-                    position = cut;
-                    tangent = project_unit(exact - previous);
-                    radius = cut_radius;
-                } else {
-                    let from_pixel = project_pixel(project_clip(previous));
-                    let to_pixel = project_pixel(project_clip(cut));
-                    let way = to_pixel - from_pixel;
-                    let direction = select(vec2f(0.0), way / max(length(way), 1e-12), any(way != vec2f(0.0)));
-                    let part = project_second_part(from_pixel, to_pixel);
-                    let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
-                    let unit = project_unit(exact - previous);
-                    let from_half_width = project_half_width(previous, unit, points[index - 1u].radius, direction);
-                    let to_half_width = project_half_width(cut, unit, cut_radius, direction);
-                    second = pack2x16snorm(mix(from_pixel, to_pixel, part) / range);
-                    second_half_width = mix(from_half_width, to_half_width, part);
-                    along *= part;
+        if CROSSES {
+            if !is_last {
+                let next = project_relative(index + 1u);
+                if project_near_distance(project_clip(next)) >= 0.0 {
+                    position = project_cut(exact, next);
+                    tangent = project_unit(next - exact);
+                    radius = mix(radius, points[index + 1u].radius, project_crossing(exact, next));
+                    flags |= PROJECTED_CUT_START | u32(project_crossing(exact, next) * limit + 0.5);
                 }
-                flags |= PROJECTED_CUT_END | (u32(along * limit + 0.5) << PROJECTED_DISTANCE_BITS);
+            }
+            if !is_first {
+                let previous = project_relative(index - 1u);
+                if project_near_distance(project_clip(previous)) >= 0.0 {
+                    let cut = project_cut(exact, previous);
+                    let crossing = project_crossing(exact, previous);
+                    let cut_radius = mix(points[index].radius, points[index - 1u].radius, crossing);
+                    var along = 1.0 - crossing;
+                    if (flags & PROJECTED_CUT_START) == 0u {
+                        position = cut;
+                        tangent = project_unit(exact - previous);
+                        radius = cut_radius;
+                    } else {
+                        let from_pixel = project_pixel(project_clip(previous));
+                        let to_pixel = project_pixel(project_clip(cut));
+                        let way = to_pixel - from_pixel;
+                        let direction = select(vec2f(0.0), way / max(length(way), 1e-12), any(way != vec2f(0.0)));
+                        let part = project_second_part(from_pixel, to_pixel);
+                        let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
+                        let unit = project_unit(exact - previous);
+                        let from_half_width = project_half_width(previous, unit, points[index - 1u].radius, direction);
+                        let to_half_width = project_half_width(cut, unit, cut_radius, direction);
+                        second = pack2x16snorm(mix(from_pixel, to_pixel, part) / range);
+                        second_half_width = mix(from_half_width, to_half_width, part);
+                        along *= part;
+                    }
+                    flags |= PROJECTED_CUT_END | (u32(along * limit + 0.5) << PROJECTED_DISTANCE_BITS);
+                }
             }
         }
     }
 
-    var before = ProjectSide(vec2f(0.0), 0.0);
-    var after = ProjectSide(vec2f(0.0), 0.0);
+    var before = ProjectSide(vec2f(0.0), 0.0, vec3f(0.0));
+    var after = ProjectSide(vec2f(0.0), 0.0, vec3f(0.0));
     if (flags & PROJECTED_CUT_START) == 0u { before = project_side(index, position, false); }
     if (flags & PROJECTED_CUT_END) == 0u { after = project_side(index, position, true); }
     // Both directions lead away from the point: a straight strand has -1 here, a turn of more than 120° above ½.
@@ -252,18 +298,15 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
 
     // The strand's tangent in relative space: the sum of its segments' unit directions.
-    let next = project_relative(select(index + 1u, index, is_last));
-    if (flags & PROJECTED_BEHIND) == 0u {
-        tangent = project_tangent(index, position, true) - project_tangent(index, position, false);
-    }
+    if (flags & PROJECTED_BEHIND) == 0u { tangent = after.tangent - before.tangent; }
     let clip = project_clip(position);
     let direction = select(vec2f(0.0), bisector, dot(sum, sum) > 1e-8);
     let half_width = project_half_width(position, tangent, radius, direction);
     let here = Projected(project_pixel(clip), project_depth(position, clip), half_width, 0u, 0u);
     let twice = (flags & PROJECTED_CUT_START) != 0u && (flags & PROJECTED_CUT_END) != 0u;
     let depth = select(here.depth, second_half_width, twice);
-    let in_view = (drawing.flags & DRAWING_DEPTH_OVER_W) != 0u && (flags & PROJECTED_BEHIND) == 0u;
-    if in_view && !is_last { 
+    if VIEW && !is_last && (flags & PROJECTED_BEHIND) == 0u {
+        let next = project_relative(index + 1u);
         flags |= project_visibility(project_reach(here, next, points[index + 1u].radius));
     }
     var word = pack2x16snorm(bisector);

@@ -90,7 +90,8 @@ fn scan_totals(@builtin(local_invocation_index) local: u32) {
             atomicAdd(&counters.stored, total);
             if total > frame.capacity || atomicLoad(&counters.crowded) != 0u {
                 atomicStore(&counters.overflow, 1u);
-                let columns = clamp((frame.run_points + 63u) / 64u, 1u, 32768u);
+                let each = (frame.run_points + 64u * SPREAD_PARTS - 1u) / (64u * SPREAD_PARTS);
+                let columns = clamp(each * SPREAD_PARTS, SPREAD_PARTS, 32768u);
                 counters.walk_arguments = vec4u(columns, frame.run_rows, drawing.splits, 0u);
                 counters.ribbon_arguments = vec4u(4u, frame.run_points, 0u, 0u);
             }

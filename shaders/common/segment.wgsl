@@ -168,9 +168,11 @@ fn segment_fragment(s: Segment, centre: vec2f, near_end: bool) -> Fragment {
     let along = dot(from_start, s.tangent);
     let across = dot(from_start, s.normal);
     let part = clamp(along * s.inverse_length, 0.0, 1.0);
-    let half_width = mix(s.start_half_width, s.end_half_width, part);
-    fragment.along = mix(s.along_start, s.along_end, part);
-    fragment.depth = mix(s.start_depth, s.end_depth, part);
+    // Not by `mix`, nor by weights: some drivers make one thing or another of these by what else a shader holds, and what one pass
+    // has counted another has to find again.
+    let half_width = s.start_half_width + (s.end_half_width - s.start_half_width) * part;
+    fragment.along = s.along_start + (s.along_end - s.along_start) * part;
+    fragment.depth = s.start_depth + (s.end_depth - s.start_depth) * part;
     fragment.point = s.point;
     let support = s.footprint.support;
     // A strand's end cuts every segment within a footprint of it, not only the last one.

@@ -19,7 +19,7 @@ fn points_hash(strand: u32) -> u32 {
 
 @compute @workgroup_size(64)
 fn shade_points(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let index = invocation.x + invocation.y * groups.x * 64u;
+    let index = spread_number(invocation.x + invocation.y * groups.x * 64u, groups.x * groups.y, drawing.point_count);
     if index >= drawing.point_count || !points_seen(index) { return; }
     let strand = attributes[index].strand;
     let colour = strand_colours[strand & POINT_STRAND];

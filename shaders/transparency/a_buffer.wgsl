@@ -17,6 +17,11 @@ fn a_buffer_order(near: ptr<function, Candidate>, far: ptr<function, Candidate>)
     }
 }
 
+// Whether two candidates in order have one depth.
+fn a_buffer_equal(near: Candidate, far: Candidate) -> bool {
+    return near.key == far.key && far.place != A_BUFFER_NONE;
+}
+
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
     shaded_begin(pixel);
@@ -49,7 +54,7 @@ fn resolve(pixel: vec2u) -> Resolved {
         for (var i = 0u; i < count && !grouped; i++) {
             let place = select(first + i, node - 1u, LISTS);
             if LISTS { node = links[place]; }
-            let candidate = Candidate(a_buffer_word(place, 0u), place);
+            let candidate = Candidate(a_buffer_key(place), place);
             if candidate.key < key || candidate.key > k7.key { continue; }
             if candidate.key == k7.key {
                 tied = true;
@@ -74,38 +79,53 @@ fn resolve(pixel: vec2u) -> Resolved {
             point = 0u;
         }
         if grouped { k0 = a_buffer_next(first, count, key, point); }
-        var chosen = array<Candidate, 8>(k0, k1, k2, k3, k4, k5, k6, k7);
         let end = select(select(A_BUFFER_NONE, k7.key, tied), A_BUFFER_NONE, grouped);
         let take = select(8u, 1u, grouped);
-        var unordered = !grouped;
-        for (var pass_number = 0u; pass_number < 8u && unordered; pass_number++) {
-            unordered = false;
-            for (var i = 0u; i < 7u; i++) {
-                if chosen[i].key == chosen[i + 1u].key && chosen[i].place != A_BUFFER_NONE {
-                    if a_buffer_word(chosen[i].place, 1u) > a_buffer_word(chosen[i + 1u].place, 1u) {
-                        let moved = chosen[i];
-                        chosen[i] = chosen[i + 1u];
-                        chosen[i + 1u] = moved;
-                        unordered = true;
-                    }
-                }
+        let found = k0.place != A_BUFFER_NONE;
+        // Fragments of one depth are put in the order of their points: seven ways through the registers, which are turned by one
+        // at each step, so that none of them is chosen by an index.
+        let equal = a_buffer_equal(k0, k1) || a_buffer_equal(k1, k2) || a_buffer_equal(k2, k3) || a_buffer_equal(k3, k4)
+            || a_buffer_equal(k4, k5) || a_buffer_equal(k5, k6) || a_buffer_equal(k6, k7);
+        let steps = select(0u, 56u, equal && !grouped);
+        for (var step = 0u; step < steps; step++) {
+            if step % 8u < 7u && a_buffer_equal(k0, k1) && a_buffer_words(k0.place).x > a_buffer_words(k1.place).x {
+                let moved = k0;
+                k0 = k1;
+                k1 = moved;
             }
+            let moved = k0;
+            k0 = k1;
+            k1 = k2;
+            k2 = k3;
+            k3 = k4;
+            k4 = k5;
+            k5 = k6;
+            k6 = k7;
+            k7 = moved;
         }
-        for (var i = 0u; i < take && chosen[i].key < end && transmittance > A_BUFFER_UNSEEN; i++) {
-            let value = a_buffer_value(chosen[i].place);
-            let chosen_point = a_buffer_word(chosen[i].place, 1u);
-            colour += transmittance * value.x * shaded_colour(chosen_point, value.y);
+        for (var i = 0u; i < take && k0.key < end && transmittance > A_BUFFER_UNSEEN; i++) {
+            let words = a_buffer_words(k0.place);
+            let value = a_buffer_value(words.y);
+            colour += transmittance * value.x * shaded_colour(words.x, value.y);
             transmittance *= 1.0 - value.x;
-            if result.key == A_BUFFER_NONE && value.x > 0.0 { result.key = chosen[i].key; }
-            key = select(chosen[i].key + 1u, key, grouped);
-            point = chosen_point + 1u;
+            if result.key == A_BUFFER_NONE && value.x > 0.0 { result.key = k0.key; }
+            key = select(k0.key + 1u, key, grouped);
+            point = words.x + 1u;
             done += 1u;
+            k0 = k1;
+            k1 = k2;
+            k2 = k3;
+            k3 = k4;
+            k4 = k5;
+            k5 = k6;
+            k6 = k7;
+            k7 = none;
         }
         // None is left but equal fragments of one segment, which cannot be parted; there are none, but a fault must
         // not loop.
-        if !grouped && k0.place == A_BUFFER_NONE { break; }
+        if !grouped && !found { break; }
         // The group has ended.
-        if grouped && k0.place == A_BUFFER_NONE {
+        if grouped && !found {
             grouped = false;
             key += 1u;
         }
@@ -118,13 +138,13 @@ fn resolve(pixel: vec2u) -> Resolved {
         for (var i = 0u; i < count; i++) {
             let place = select(first + i, node - 1u, LISTS);
             if LISTS { node = links[place]; }
-            let candidate_key = a_buffer_word(place, 0u);
-            let candidate_point = a_buffer_word(place, 1u);
-            if candidate_key < key || (grouped && candidate_key == key && candidate_point < point) { continue; }
-            let value = a_buffer_value(place);
+            let candidate_key = a_buffer_key(place);
+            let words = a_buffer_words(place);
+            if candidate_key < key || (grouped && candidate_key == key && words.x < point) { continue; }
+            let value = a_buffer_value(words.y);
             depth += optical_depth(value.x);
             weight += value.x;
-            sum += value.x * shaded_colour(candidate_point, value.y);
+            sum += value.x * shaded_colour(words.x, value.y);
         }
         let through = exp(-depth);
         colour += transmittance * (1.0 - through) * sum / max(weight, 1e-20);
@@ -153,8 +173,8 @@ fn a_buffer_next(first: u32, count: u32, key: u32, point: u32) -> Candidate {
     for (var i = 0u; i < count; i++) {
         let place = select(first + i, node - 1u, LISTS);
         if LISTS { node = links[place]; }
-        if a_buffer_word(place, 0u) != key { continue; }
-        let candidate = a_buffer_word(place, 1u);
+        if a_buffer_key(place) != key { continue; }
+        let candidate = a_buffer_words(place).x;
         if candidate >= point && candidate < lowest {
             lowest = candidate;
             found = Candidate(key, place);

@@ -5,8 +5,8 @@
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
 @group(3) @binding(2) var<storage, read> links: array<u32>;
 @group(3) @binding(3) var<storage, read> fragments_0: array<u32>;
-@group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
-@group(3) @binding(5) var<storage, read> fragments_2: array<u32>;
+@group(3) @binding(4) var<storage, read> fragments_1: array<vec2u>;
+@group(3) @binding(5) var<storage, read> fragments_2: array<vec2u>;
 
 // What lies behind this transmittance changes a pixel by less than 1/4096 of its own radiance.
 const A_BUFFER_UNSEEN: f32 = 0.000244140625;
@@ -24,17 +24,18 @@ struct Resolved {
     key: u32,
 }
 
-// One of a fragment's words: 0 its key, 1 its point, 2 its opacity and place along the segment.
-fn a_buffer_word(place: u32, word: u32) -> u32 {
-    let part = frame.part_capacity;
-    if PARTS == 1u || place < part { return fragments_0[place * 3u + word]; }
-    if PARTS == 2u || place < 2u * part { return fragments_1[(place - part) * 3u + word]; }
-    return fragments_2[(place - 2u * part) * 3u + word];
+fn a_buffer_key(place: u32) -> u32 {
+    return fragments_0[place];
 }
 
-// A fragment's opacity and its place along the segment.
-fn a_buffer_value(place: u32) -> vec2f {
-    let word = a_buffer_word(place, 2u);
+// A fragment's point, and the word of its opacity and its place along the segment.
+fn a_buffer_words(place: u32) -> vec2u {
+    if PARTS == 1u || place < frame.part_capacity { return fragments_1[place]; }
+    return fragments_2[place - frame.part_capacity];
+}
+
+// A fragment's opacity and its place along the segment, from their word.
+fn a_buffer_value(word: u32) -> vec2f {
     let root = f32(word & 0xffffu) / 65535.0;
     return vec2f(root * root, f32(word >> 16u) / 65535.0);
 }
@@ -88,15 +89,15 @@ fn a_buffer_nearest(pixel: vec2u) -> Nearest {
         } else {
             if place >= links[number] { break; }
         }
-        let key = a_buffer_word(place, 0u);
-        let point = a_buffer_word(place, 1u);
-        let value = a_buffer_value(place);
+        let key = a_buffer_key(place);
+        let words = a_buffer_words(place);
+        let value = a_buffer_value(words.y);
         place += 1u;
         if value.x == 0.0 { continue; }
         depth = min(depth + u32(optical_depth(value.x) * OPTICAL_DEPTH_SCALE + 0.5), 0x80000000u);
-        if key < near.key || (key == near.key && point < near.point) {
+        if key < near.key || (key == near.key && words.x < near.point) {
             near.key = key;
-            near.point = point;
+            near.point = words.x;
             near.along = value.y;
         }
     }

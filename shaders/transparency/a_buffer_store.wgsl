@@ -4,11 +4,11 @@
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 // Counted: first place of a pixel, counted up to its end as fragments are stored. Lists: next node, as in `fill`.
 @group(3) @binding(2) var<storage, read_write> links: array<atomic<u32>>;
-// A fragment is three words side by side: key, point, and opacity with place. The pool has three parts, since one binding
-// may be too small for it.
+// The fragments' keys, by which they are ordered; and of each its point, and its opacity with its place along the segment, in
+// two parts, since one binding may be too small for them.
 @group(3) @binding(3) var<storage, read_write> fragments_0: array<u32>;
-@group(3) @binding(4) var<storage, read_write> fragments_1: array<u32>;
-@group(3) @binding(5) var<storage, read_write> fragments_2: array<u32>;
+@group(3) @binding(4) var<storage, read_write> fragments_1: array<vec2u>;
+@group(3) @binding(5) var<storage, read_write> fragments_2: array<vec2u>;
 
 var<private> a_buffer_culled: u32;
 var<private> a_buffer_capacity: u32;
@@ -24,21 +24,12 @@ fn a_buffer_begin() {
 fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
     // The root keeps thin fibres' small opacities apart: 0.05 % at 0.001. Both values are within 0 and 1.
     let value = u32(sqrt(fragment.opacity) * 65535.0 + 0.5) | (u32(fragment.along * 65535.0 + 0.5) << 16u);
-    let part = a_buffer_part;
-    if PARTS == 1u || place < part {
-        fragments_0[place * 3u] = key;
-        fragments_0[place * 3u + 1u] = fragment.point;
-        fragments_0[place * 3u + 2u] = value;
-    } else if PARTS > 1u && place < 2u * part {
-        let word = (place - part) * 3u;
-        fragments_1[word] = key;
-        fragments_1[word + 1u] = fragment.point;
-        fragments_1[word + 2u] = value;
-    } else if PARTS > 2u {
-        let word = (place - 2u * part) * 3u;
-        fragments_2[word] = key;
-        fragments_2[word + 1u] = fragment.point;
-        fragments_2[word + 2u] = value;
+    let words = vec2u(fragment.point, value);
+    fragments_0[place] = key;
+    if PARTS == 1u || place < a_buffer_part {
+        fragments_1[place] = words;
+    } else if PARTS > 1u {
+        fragments_2[place - a_buffer_part] = words;
     }
 }
 

@@ -1,21 +1,13 @@
-// DBK-buffer: passes over tiles and pixels. A tile's bins, from its histogram. A pixel's cut-off from its bins: the end of the bin in which the fragments' optical depth
-// reaches frame.cut_depth, so that what is kept lets through no more than the tolerance; or from its nearest depth and a
-// shift along the ray. And what the cut-offs mean to segments: the farthest of each of the host's tiles.
+// DBK-buffer: passes over tiles and pixels. A tile's bins, from its histogram. By a depth shift, a pixel's cut-off: from its nearest
+// depth and a shift along the ray. And what the cut-offs mean to segments: the farthest of each of the host's tiles.
 
 @group(1) @binding(0) var<storage, read_write> host_tiles: array<vec2u>;
-@group(3) @binding(0) var<storage, read_write> counters: Counters;
 @group(3) @binding(1) var<storage, read_write> fill: array<u32>;
 @group(3) @binding(2) var<storage, read_write> links: array<u32>;
 @group(3) @binding(6) var<storage, read_write> overflow: array<u32>;
 
 // A mix of two depths may fall short of both by its rounding.
 const DBK_ROUNDING: u32 = 16u;
-
-var<workgroup> dbk_culled: atomic<u32>;
-
-fn dbk_number(invocation: vec3u, groups: vec3u) -> u32 {
-    return invocation.x + invocation.y * groups.x * 64u;
-}
 
 // A tile's histogram → its bins; the histogram is cleared.
 @compute @workgroup_size(64)
@@ -43,49 +35,10 @@ fn dbk_buffer_ranges(@builtin(global_invocation_id) invocation: vec3u, @builtin(
         }
         sum = after;
     }
-    fill[words] = first;
-    fill[words + 1u] = select((end - min(first, end)) / (DBK_BINS - 2u), 0u, first == DBK_NO_CUT);
-}
-
-@compute @workgroup_size(64)
-fn dbk_buffer_cut(
-    @builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) local: u32,
-) {
-    pixels_begin();
-    let number = dbk_number(invocation, groups);
-    let pixels = dbk_pixels();
-    if number < pixels {
-        let enough = u32(ceil(frame.cut_depth * DBK_DEPTH_SCALE));
-        let whole = links[number];
-        var depth = 0u;
-        var kept = 0u;
-        var all = 0u;
-        var last = DBK_BINS;
-        for (var bin = 0u; bin < DBK_BINS; bin++) {
-            let word = overflow[number * DBK_BINS + bin];
-            all += word & DBK_COUNT_MAX;
-            depth += word >> DBK_COUNT_BITS;
-            if last == DBK_BINS { kept = all; }
-            if last == DBK_BINS && depth >= enough { last = bin; }
-        }
-        var cut = DBK_NO_CUT;
-        if whole != 0u {
-            kept = all + whole;
-        } else if last + 1u < DBK_BINS {
-            let pixel = vec2u(number % pixels_width, number / pixels_width);
-            let words = dbk_tile_words(pixels, dbk_tile(dbk_columns(), pixel));
-            cut = dbk_bin_end(last, fill[words], fill[words + 1u]);
-            if all > kept { atomicAdd(&dbk_culled, all - kept); }
-        }
-        fill[number] = kept;
-        fill[pixels + number] = cut;
-    }
-    workgroupBarrier();
-    if local == 0u {
-        let culled = atomicLoad(&dbk_culled);
-        if culled > 0u { atomicAdd(&counters.culled, culled); }
-    }
+    let steps = dbk_steps();
+    let place = clamp(dbk_step(first, steps), 1u, DBK_FIRST_MAX);
+    let width = min(((end - min(first, end)) / (DBK_BINS - 2u)) >> steps.y, DBK_WIDTH_MAX);
+    fill[words] = select(place << DBK_WIDTH_BITS | width, DBK_NO_BINS, first == DBK_NO_CUT);
 }
 
 @compute @workgroup_size(64)

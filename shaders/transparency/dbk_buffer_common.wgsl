@@ -39,20 +39,44 @@ fn dbk_tile(columns: u32, pixel: vec2u) -> u32 {
 }
 
 // Place in `fill` of a tile's two words. At first: distance of the nearest key from the largest, and the farthest key, both 0
-// where nothing is known; then where its bins begin, and how many keys each of them holds.
+// where nothing is known; then, in the first one, its bins.
 fn dbk_tile_words(pixels: u32, tile: u32) -> u32 {
     return 2u * (pixels + tile);
 }
 
-// The first bin holds what is nearer than `first`, the last one what is farther than all others. Integers, so that every
-// pass agrees.
-fn dbk_bin(key: u32, first: u32, width: u32) -> u32 {
+// A tile's bins in one word, in steps of 1 << shift keys from the frame's first key on: above, where the second one begins, never
+// at 0; below, how many steps each of them holds.
+const DBK_WIDTH_BITS: u32 = 15u;
+const DBK_WIDTH_MAX: u32 = 0x7fffu;
+const DBK_FIRST_MAX: u32 = 0x1fffeu;
+// Nothing is known of the tile: nothing is cut off.
+const DBK_NO_BINS: u32 = 0xffffffffu;
+
+// The steps of the frame: its first key, and the shift.
+fn dbk_steps() -> vec2u {
+    return vec2u(frame.key_first, frame.key_packing >> 16u);
+}
+
+fn dbk_step(key: u32, steps: vec2u) -> u32 {
+    return (max(key, steps.x) - steps.x) >> steps.y;
+}
+
+// The first bin holds what is nearer than all others, the last one what is farther. Integers, so that every pass agrees.
+fn dbk_bin(key: u32, bins: u32, steps: vec2u) -> u32 {
+    let step = dbk_step(key, steps);
+    let first = bins >> DBK_WIDTH_BITS;
+    let width = bins & DBK_WIDTH_MAX;
     var bin = 0u;
-    for (var b = 0u; b + 1u < DBK_BINS; b++) { bin += select(0u, 1u, key >= first + b * width); }
+    for (var b = 0u; b + 1u < DBK_BINS; b++) { bin += select(0u, 1u, step >= first + b * width); }
     return bin;
 }
 
-// The first key beyond a bin.
-fn dbk_bin_end(bin: u32, first: u32, width: u32) -> u32 {
-    return select(first + bin * width, DBK_NO_CUT, bin + 1u >= DBK_BINS);
+// The first key beyond a bin: a key is before it where `dbk_bin` is `bin` or less.
+fn dbk_bin_end(bin: u32, bins: u32, steps: vec2u) -> u32 {
+    if bins == DBK_NO_BINS || bin + 1u >= DBK_BINS { return DBK_NO_CUT; }
+    return steps.x + (((bins >> DBK_WIDTH_BITS) + bin * (bins & DBK_WIDTH_MAX)) << steps.y);
+}
+
+fn dbk_number(invocation: vec3u, groups: vec3u) -> u32 {
+    return invocation.x + invocation.y * groups.x * 64u;
 }

@@ -13,9 +13,12 @@ fn dbk_buffer_drop(@builtin(global_invocation_id) invocation: vec3u, @builtin(nu
     if !found.known || size.x * size.y > PROJECT_TILES { return; }
     let columns = (u32(drawing.viewport.x) + HOST_TILE - 1u) / HOST_TILE;
     var hidden = true;
-    for (var y = found.first.y; y <= found.last.y && hidden; y++) {
-        for (var x = found.first.x; x <= found.last.x && hidden; x++) {
-            hidden = found.nearest > host_tiles[y * columns + x].x;
+    let way = project_way(found);
+    for (var major = way.first.x; major <= way.last.x && hidden; major++) {
+        let minors = project_step(way, major);
+        for (var minor = minors.x; minor <= minors.y && hidden; minor++) {
+            let place = select(minor * columns + major, major * columns + minor, way.steep);
+            hidden = found.nearest > host_tiles[place].x;
         }
     }
     if hidden { projected_out[index].flags = here.flags | PROJECTED_UNSEEN; }

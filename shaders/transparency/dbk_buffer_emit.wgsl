@@ -27,6 +27,7 @@ var<private> dbk_pixel_count: u32;
 var<private> dbk_column_count: u32;
 var<private> dbk_row_first: u32;
 var<private> dbk_cut_depth: f32;
+var<private> dbk_frame_steps: vec2u;
 
 fn emit_begin() -> bool {
     a_buffer_begin();
@@ -34,6 +35,7 @@ fn emit_begin() -> bool {
     dbk_column_count = dbk_columns();
     dbk_row_first = drawing.row_first;
     dbk_cut_depth = frame.cut_depth;
+    dbk_frame_steps = dbk_steps();
     if STAGE_BASE == STAGE_BINS || STAGE_BASE == STAGE_FRONT || STAGE_BASE == STAGE_KEPT { return true; }
     return (atomicLoad(&counters.overflow) != 0u) != (STAGE_BASE == STAGE_SCATTER);
 }
@@ -47,7 +49,7 @@ fn emit_end() {
 fn dbk_count(pixel: vec2u, number: u32, key: u32, opacity: f32) {
     let tile = dbk_tile(dbk_column_count, pixel - vec2u(0u, dbk_row_first));
     let words = dbk_tile_words(dbk_pixel_count, tile);
-    let bin = dbk_bin(key, fill[words], fill[words + 1u]);
+    let bin = dbk_bin(key, fill[words], dbk_frame_steps);
     // One fragment counts for no more than the tolerance asks for.
     let depth = u32(min(optical_depth(opacity), dbk_cut_depth) * DBK_DEPTH_SCALE);
     let before = atomicAdd(&overflow[number * DBK_BINS + bin], (depth << DBK_COUNT_BITS) | 1u);

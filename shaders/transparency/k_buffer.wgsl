@@ -38,11 +38,12 @@ fn k_buffer_rest(first: u32, count: u32, key: u32, point: u32) -> vec4f {
     for (var i = 0u; i < count; i++) {
         let place = select(first + i, node - 1u, LISTS);
         if LISTS { node = links[place]; }
-        let other_key = a_buffer_word(place, 0u);
+        let other_key = a_buffer_key(place);
         if other_key < key { continue; }
-        let other_point = a_buffer_word(place, 1u);
+        let words = a_buffer_words(place);
+        let other_point = words.x;
         if other_key == key && other_point < point { continue; }
-        let value = a_buffer_value(place);
+        let value = a_buffer_value(words.y);
         depth = min(depth + u32(optical_depth(value.x) * OPTICAL_DEPTH_SCALE + 0.5), 0x80000000u);
         if with_colour {
             let colour = min(value.x * shaded_colour(other_point, value.y) * frame.tail_scale, vec3f(TAIL_LARGEST));
@@ -85,12 +86,13 @@ fn resolve(pixel: vec2u) -> Resolved {
         for (var i = 0u; i < count; i++) {
             let place = select(first + i, node - 1u, LISTS);
             if LISTS { node = links[place]; }
-            var carry_key = a_buffer_word(place, 0u);
+            var carry_key = a_buffer_key(place);
             if carry_key < key || carry_key > last_key { continue; }
-            var carry_point = a_buffer_word(place, 1u);
+            let words = a_buffer_words(place);
+            var carry_point = words.x;
             if carry_key == last_key && carry_point >= last_point { continue; }
             if carry_key == key && carry_point < point { continue; }
-            var carry_value = a_buffer_word(place, 2u);
+            var carry_value = words.y;
             // What covers nothing takes nobody's place.
             if (carry_value & 0xffffu) == 0u { continue; }
             if REGISTERS == 1u {
@@ -125,10 +127,9 @@ fn resolve(pixel: vec2u) -> Resolved {
             if chosen == A_BUFFER_NONE { break; }
             let chosen_point = points[i / 4u][i % 4u];
             let word = values[i / 4u][i % 4u];
-            let root = f32(word & 0xffffu) / 65535.0;
-            let opacity = root * root;
-            colour += transmittance * opacity * shaded_colour(chosen_point, f32(word >> 16u) / 65535.0);
-            transmittance *= 1.0 - opacity;
+            let value = a_buffer_value(word);
+            colour += transmittance * value.x * shaded_colour(chosen_point, value.y);
+            transmittance *= 1.0 - value.x;
             if kept == 0u { result.key = chosen; }
             key = chosen;
             point = chosen_point + 1u;

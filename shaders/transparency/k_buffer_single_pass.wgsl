@@ -27,10 +27,10 @@ struct Resolved {
 }
 
 fn single_pass_word(node: u32, word: u32) -> u32 {
+    if word == 0u { return fragments_0[node]; }
     let part = frame.part_capacity;
-    if PARTS == 1u || node < part { return fragments_0[node * 3u + word]; }
-    if PARTS == 2u || node < 2u * part { return fragments_1[(node - part) * 3u + word]; }
-    return fragments_2[(node - 2u * part) * 3u + word];
+    if PARTS == 1u || node < part { return fragments_1[node * 2u + word - 1u]; }
+    return fragments_2[(node - part) * 2u + word - 1u];
 }
 
 fn resolve(pixel: vec2u) -> Resolved {

@@ -19,7 +19,7 @@
 @group(3) @binding(1) var<storage, read_write> fill: array<atomic<u32>>;
 // Next node + 1; 0 = not seen yet.
 @group(3) @binding(2) var<storage, read_write> links: array<atomic<u32>>;
-// Three words a node: key + 1, point + 1, and opacity with place along the segment.
+// Three words a node: key + 1; and apart, in two parts, point + 1, and opacity with place along the segment.
 @group(3) @binding(3) var<storage, read_write> fragments_0: array<atomic<u32>>;
 @group(3) @binding(4) var<storage, read_write> fragments_1: array<atomic<u32>>;
 @group(3) @binding(5) var<storage, read_write> fragments_2: array<atomic<u32>>;
@@ -60,20 +60,21 @@ fn emit_end() {
 }
 
 fn single_pass_load(node: u32, word: u32) -> u32 {
+    if word == 0u { return atomicLoad(&fragments_0[node]); }
     let part = single_pass_part;
-    if PARTS == 1u || node < part { return atomicLoad(&fragments_0[node * 3u + word]); }
-    if PARTS == 2u || node < 2u * part { return atomicLoad(&fragments_1[(node - part) * 3u + word]); }
-    return atomicLoad(&fragments_2[(node - 2u * part) * 3u + word]);
+    if PARTS == 1u || node < part { return atomicLoad(&fragments_1[node * 2u + word - 1u]); }
+    return atomicLoad(&fragments_2[(node - part) * 2u + word - 1u]);
 }
 
 fn single_pass_write(node: u32, words: vec3u) {
     let part = single_pass_part;
+    atomicStore(&fragments_0[node], words.x);
     if PARTS == 1u || node < part {
-        for (var i = 0u; i < 3u; i++) { atomicStore(&fragments_0[node * 3u + i], words[i]); }
-    } else if PARTS == 2u || node < 2u * part {
-        for (var i = 0u; i < 3u; i++) { atomicStore(&fragments_1[(node - part) * 3u + i], words[i]); }
+        atomicStore(&fragments_1[node * 2u], words.y);
+        atomicStore(&fragments_1[node * 2u + 1u], words.z);
     } else {
-        for (var i = 0u; i < 3u; i++) { atomicStore(&fragments_2[(node - 2u * part) * 3u + i], words[i]); }
+        atomicStore(&fragments_2[(node - part) * 2u], words.y);
+        atomicStore(&fragments_2[(node - part) * 2u + 1u], words.z);
     }
 }
 

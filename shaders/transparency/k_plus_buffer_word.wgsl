@@ -44,7 +44,7 @@ var<private> k_plus_tail_scale: f32;
 fn k_plus_begin() {
     k_plus_first_key = frame.key_first;
     k_plus_key_shift = frame.key_packing & 255u;
-    k_plus_high_bits = (frame.key_packing >> 8u) - K_PLUS_POINT_LOW;
+    k_plus_high_bits = ((frame.key_packing >> 8u) & 255u) - K_PLUS_POINT_LOW;
     k_plus_tail_scale = frame.tail_scale;
 }
 

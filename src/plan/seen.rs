@@ -7,6 +7,8 @@ use crate::frame::Frame;
 
 /// How large the hair is on the screen.
 pub(super) struct Seen {
+    /// Pixels of the image.
+    pub image_px: f64,
     pub half_width_px: f64,
     pub length_px: f64,
     pub fragments: f64,
@@ -26,10 +28,12 @@ impl Seen {
         self.depth / (COVERED * area)
     }
 
-    /// Invocations that share one segment, so that none walks too many pixels.
+    /// Invocations that share one segment, so that none walks too many pixels: loops end after 65,535 steps on some devices.
     pub fn splits(&self) -> u32 {
+        const MOST_STEPS: f64 = 60_000.0;
         let pixels = self.length_px * (2.0 * self.half_width_px + 3.0);
-        ((pixels / PIXELS_AN_INVOCATION).ceil() as u32).clamp(1, 64)
+        let most = (self.image_px / MOST_STEPS).ceil().max(64.0);
+        (pixels / PIXELS_AN_INVOCATION).ceil().clamp(1.0, most) as u32
     }
 }
 
@@ -43,6 +47,7 @@ pub(super) fn view_size(
 ) -> Seen {
     let screen = f64::from(width.max(height));
     let mut seen = Seen {
+        image_px: f64::from(width) * f64::from(height),
         half_width_px: 0.0,
         length_px: 0.0,
         fragments: 0.0,
@@ -192,15 +197,19 @@ pub(super) fn key_range(
     ]
 }
 
-/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value.
+/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value; and
+/// by how many where the DBK-buffer's bins are placed.
 pub(super) fn key_packing([first, last]: [u32; 2], point_count: u64) -> u32 {
     /// Opacity and place along the segment, `K_PLUS_VALUE_BITS` in WGSL; and the least bits of a point.
     const VALUE_BITS: u32 = 19;
     const LEAST_POINT_BITS: u32 = 13;
+    /// Of a bin's place, `DBK_FIRST_MAX` in WGSL.
+    const BIN_BITS: u32 = 17;
     let bits = |value: u64| u64::BITS - value.leading_zeros();
     let point_bits = bits(point_count).max(LEAST_POINT_BITS);
     let key_bits = 64 - VALUE_BITS - point_bits;
     // The greatest key is left out: all ones is an empty word.
-    let shift = bits(u64::from(last - first) + 2).saturating_sub(key_bits);
-    shift | point_bits << 8
+    let all_bits = bits(u64::from(last - first) + 2);
+    let shift = all_bits.saturating_sub(key_bits);
+    shift | point_bits << 8 | all_bits.saturating_sub(BIN_BITS) << 16
 }

@@ -89,7 +89,7 @@ impl Emission {
             file => Some(file),
         };
         let files: Vec<&'static str> = self.files.iter().filter_map(file).collect();
-        Module::new(&["common/coverage", "common/segment"])
+        Module::new(&["common/coverage", "common/segment", "common/spread"])
             .with("STAGE", Constant::U32(self.stage))
             .with("PARTS", Constant::U32(parts))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))

@@ -2,7 +2,7 @@
 
 use super::{Draw, Emission, Rasteriser};
 use crate::error::Result;
-use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
+use crate::gpu::{Gpu, Group, Passes, PipelineKey, spread_workgroups};
 use crate::plan::Plan;
 use crate::resources::Bound;
 
@@ -33,7 +33,7 @@ pub(super) fn record(
             if draw.on_overflow {
                 pass.dispatch_workgroups_indirect(bound.arguments, super::WALK_ARGUMENTS);
             } else {
-                let (x, y) = workgroups(run.run.segments);
+                let (x, y) = spread_workgroups(run.run.segments);
                 pass.dispatch_workgroups(x, y, draw.splits);
             }
         }

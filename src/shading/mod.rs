@@ -26,7 +26,7 @@ pub use sadeghi::{LobeControls, Sadeghi};
 pub use scheuermann::{Highlight, Scheuermann};
 
 use crate::error::Result;
-use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
+use crate::gpu::{Gpu, Group, Passes, PipelineKey, spread_workgroups};
 use crate::layout::Material;
 use crate::occluder;
 use crate::plan::Plan;
@@ -317,6 +317,7 @@ impl Shader {
     /// The module that shades points.
     pub fn points_module(&self) -> Module {
         self.model().and(&[
+            "common/spread",
             "shading/material",
             "shading/points_common",
             "shading/points",
@@ -388,7 +389,7 @@ pub(crate) fn record(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, plan: &P
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, bound.frame, &[0, *drawing, run.material]);
             pass.set_bind_group(1, &groups.shade, &[]);
-            let (x, y) = workgroups(run.run.count);
+            let (x, y) = spread_workgroups(run.run.count);
             pass.dispatch_workgroups(x, y, 1);
         }
     });

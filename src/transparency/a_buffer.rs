@@ -69,6 +69,8 @@ const SEARCH_ROUNDS: u32 = 5;
 
 /// Bytes of one stored fragment in counted arrays: key, point, and opacity with place.
 pub const FRAGMENT_BYTES: u64 = 12;
+/// Bytes of it that are its key, in a binding of their own.
+pub(crate) const KEY_BYTES: u64 = 4;
 /// Bytes of one node of a linked list: a fragment and the next node.
 pub const NODE_BYTES: u64 = 16;
 
@@ -110,6 +112,16 @@ impl ABuffer {
             },
         }
     }
+}
+
+/// Bytes of each of the pool's buffers for so many fragments: their keys, and the rest of them in two parts of `part` fragments.
+pub(crate) fn pool_bytes(fragments: u64, part: u64) -> [u64; 3] {
+    let rest = FRAGMENT_BYTES - KEY_BYTES;
+    [
+        fragments * KEY_BYTES,
+        fragments.min(part) * rest,
+        fragments.saturating_sub(part).min(part) * rest,
+    ]
 }
 
 /// Refuses a pool that holds no fragment.

@@ -11,7 +11,7 @@
 //! farther into the last, and a poor guess only costs memory.
 
 use crate::error::{Result, invalid};
-use crate::geometry;
+use crate::geometry::{self, Projection};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::layout::HOST_TILE;
 use crate::plan::{Band, Plan};
@@ -317,6 +317,7 @@ fn point_pass(
 struct PixelPass {
     label: &'static str,
     entry: &'static str,
+    module: fn() -> Module,
     /// Pixels a side.
     each: u32,
 }
@@ -324,27 +325,32 @@ struct PixelPass {
 const RANGES: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.ranges",
     entry: "dbk_buffer_ranges",
+    module: pixels_module,
     each: TILE,
 };
 
 const CUT: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.cut",
     entry: "dbk_buffer_cut",
+    module: cut_module,
     each: 1,
 };
 const TILES: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.tiles",
     entry: "dbk_buffer_tiles",
+    module: pixels_module,
     each: HOST_TILE,
 };
 const SHIFT: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.shift",
     entry: "dbk_buffer_shift",
+    module: pixels_module,
     each: 1,
 };
 const KEPT_COUNTS: PixelPass = PixelPass {
     label: "pelage.transparency.dbk_buffer.kept_counts",
     entry: "dbk_buffer_kept",
+    module: pixels_module,
     each: 1,
 };
 
@@ -358,7 +364,7 @@ fn pixel_pass(
 ) -> Result<()> {
     let groups = [Group::Frame, Group::HostTiles, Group::PixelsWritten];
     let key = PipelineKey::new(step.label);
-    let pipeline = gpu.compute(key, step.entry, &groups, pixels_module)?;
+    let pipeline = gpu.compute(key, step.entry, &groups, step.module)?;
     let (x, y) = workgroups(plan.width.div_ceil(step.each) * band.rows.div_ceil(step.each));
     passes.compute(step.label, |pass| {
         pass.set_pipeline(&pipeline);
@@ -385,11 +391,11 @@ pub(crate) fn depths_module() -> Module {
 
 /// The module that drops segments.
 pub(crate) fn drop_module() -> Module {
-    Module::new(&[
-        "common/pixels",
-        "common/project",
-        "transparency/dbk_buffer_drop",
-    ])
+    let projection = Projection {
+        crosses: false,
+        view: true,
+    };
+    projection.module(&["transparency/dbk_buffer_drop"])
 }
 
 /// The module of the pixels' passes.
@@ -398,6 +404,15 @@ pub(crate) fn pixels_module() -> Module {
         "common/pixels",
         "transparency/dbk_buffer_common",
         "transparency/dbk_buffer",
+    ])
+}
+
+/// The module of the pixels' cut-offs.
+pub(crate) fn cut_module() -> Module {
+    Module::new(&[
+        "common/pixels",
+        "transparency/dbk_buffer_common",
+        "transparency/dbk_buffer_cut",
     ])
 }
 

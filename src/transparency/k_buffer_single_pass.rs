@@ -8,7 +8,7 @@ use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
-use crate::transparency::a_buffer::{FRAGMENT_BYTES, validate_pool};
+use crate::transparency::a_buffer::{self, validate_pool};
 use crate::transparency::k_buffer::{Rest, rest_word, validate_k};
 use crate::transparency::{Fragments, Needs};
 
@@ -133,9 +133,9 @@ pub(crate) fn record(
             clear(&bound.pixels.fill.buffer, needs.fill);
             clear(&bound.pixels.overflow.buffer, needs.overflow);
             clear(&bound.pixels.links.buffer, capacity * 4);
-            for (number, fragments) in bound.pixels.fragments.iter().enumerate() {
-                let held = capacity.saturating_sub(number as u64 * part).min(part);
-                clear(&fragments.buffer, held * FRAGMENT_BYTES);
+            let bytes = a_buffer::pool_bytes(capacity, part);
+            for (fragments, bytes) in bound.pixels.fragments.iter().zip(bytes) {
+                clear(&fragments.buffer, bytes);
             }
             bound.clear_counters(encoder);
         },

@@ -222,6 +222,16 @@ impl Transparency {
         }
     }
 
+    /// Whether fragments lie in counted arrays, by which a tile without hair is known.
+    pub(crate) fn counted(&self) -> bool {
+        match self {
+            Self::ABuffer(settings) => settings.storage == Storage::Counted,
+            Self::KBuffer(settings) => settings.storage == Storage::Counted,
+            Self::DbkBuffer(_) => true,
+            _ => false,
+        }
+    }
+
     /// Whether each pixel's nearest fragment must be sought beside the technique, where a frame asks for it.
     pub(crate) fn seeks_nearest(&self) -> bool {
         matches!(
