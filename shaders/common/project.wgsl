@@ -212,18 +212,25 @@ fn project_second_part(other: vec2f, cut: vec2f) -> f32 {
     return clamp(min(room.x, room.y), 0.0, 1.0);
 }
 
-// Half a fibre's width in pixels at a position before the near plane, with its tangent and its direction on the screen.
-fn project_half_width(position: vec3f, tangent: vec3f, radius: f32, direction: vec2f) -> f32 {
+// Projected tangents shorter than this part of the projected radius have no direction that single precision tells.
+const PROJECT_DEGENERATE_TANGENT: f32 = 1e-4;
+
+// Half a fibre's width in pixels at a position before the near plane: how far the silhouette lies from the axis, across the
+// projected tangent. Not across the bisector of the segments on the screen, which foreshortening turns.
+fn project_half_width(position: vec3f, tangent: vec3f, radius: f32) -> f32 {
     let clip = project_clip(position);
     let outwards = project_unit(cross(tangent, drawing.eye.xyz - position * drawing.eye.w));
     if all(outwards == vec3f(0.0)) || clip.w <= 0.0 { return 0.0; }
-    var c = drawing.clip_from_relative * vec4f(outwards * (radius * drawing.radius_scale), 0.0);
+    let scaled = radius * drawing.radius_scale;
+    var c = drawing.clip_from_relative * vec4f(outwards * scaled, 0.0);
     // Either silhouette will do; one of them is before the eye.
     c = select(c, -c, clip.w + c.w <= 0.0);
     let ndc = clip.xy / clip.w;
-    let offset = (c.xy - ndc * c.w) / (clip.w + c.w) * 0.5 * drawing.viewport * vec2f(1.0, -1.0);
-    if all(direction == vec2f(0.0)) { return length(offset); }
-    return abs(dot(offset, vec2f(direction.y, -direction.x)));
+    let offset = (c.xy - ndc * c.w) / (clip.w + c.w) * 0.5 * drawing.viewport;
+    let a = drawing.clip_from_relative * vec4f(project_unit(tangent) * scaled, 0.0);
+    let along = (a.xy - ndc * a.w) / clip.w * 0.5 * drawing.viewport;
+    if length(along) <= PROJECT_DEGENERATE_TANGENT * length(offset) { return length(offset); }
+    return abs(offset.x * along.y - offset.y * along.x) / length(along);
 }
 
 @compute @workgroup_size(64)
@@ -271,13 +278,11 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
                     } else {
                         let from_pixel = project_pixel(project_clip(previous));
                         let to_pixel = project_pixel(project_clip(cut));
-                        let way = to_pixel - from_pixel;
-                        let direction = select(vec2f(0.0), way / max(length(way), 1e-12), any(way != vec2f(0.0)));
                         let part = project_second_part(from_pixel, to_pixel);
                         let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
                         let unit = project_unit(exact - previous);
-                        let from_half_width = project_half_width(previous, unit, points[index - 1u].radius, direction);
-                        let to_half_width = project_half_width(cut, unit, cut_radius, direction);
+                        let from_half_width = project_half_width(previous, unit, points[index - 1u].radius);
+                        let to_half_width = project_half_width(cut, unit, cut_radius);
                         second = pack2x16snorm(mix(from_pixel, to_pixel, part) / range);
                         second_half_width = mix(from_half_width, to_half_width, part);
                         along *= part;
@@ -298,10 +303,13 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
 
     // The strand's tangent in relative space: the sum of its segments' unit directions.
-    if (flags & PROJECTED_BEHIND) == 0u { tangent = after.tangent - before.tangent; }
+    if (flags & PROJECTED_BEHIND) == 0u {
+        tangent = after.tangent - before.tangent;
+        // Where the strand folds back upon itself, the segment before says which way it leads.
+        if dot(tangent, tangent) < 1e-10 { tangent = before.tangent; }
+    }
     let clip = project_clip(position);
-    let direction = select(vec2f(0.0), bisector, dot(sum, sum) > 1e-8);
-    let half_width = project_half_width(position, tangent, radius, direction);
+    let half_width = project_half_width(position, tangent, radius);
     let here = Projected(project_pixel(clip), project_depth(position, clip), half_width, 0u, 0u);
     let twice = (flags & PROJECTED_CUT_START) != 0u && (flags & PROJECTED_CUT_END) != 0u;
     let depth = select(here.depth, second_half_width, twice);

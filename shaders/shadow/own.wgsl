@@ -36,6 +36,8 @@ struct ShadowOwn {
 const SHADOW_OWN_OPAQUE: f32 = 0.93;
 // Points closer than this on the map give no direction.
 const SHADOW_OWN_COINCIDENT: f32 = 1e-4;
+// As PROJECT_DEGENERATE_TANGENT.
+const SHADOW_OWN_DEGENERATE: f32 = 1e-4;
 
 // The fibre of the point that is shaded; set by the shading, zero elsewhere.
 var<private> shadow_fibre: ShadowFibre;
@@ -89,9 +91,14 @@ fn shadow_own_begin(position: vec3f, clip: vec4f, depth: f32, map: u32, light: u
     let strand = shadow_own_unit(shadow_fibre.after - position) + shadow_own_unit(position - shadow_fibre.before);
     let outwards = shadow_own_unit(cross(strand, place.xyz - position * place.w));
     let c = frame.shadow_views[map].clip_from_relative * vec4f(outwards * shadow_fibre.radius, 0.0);
+    let a = frame.shadow_views[map].clip_from_relative * vec4f(shadow_own_unit(strand) * shadow_fibre.radius, 0.0);
     let ndc = clip.xy / clip.w;
-    let offset = (c.xy - ndc * c.w) / max(clip.w + c.w, 1e-30) * 0.5 * resolution * vec2f(1.0, -1.0);
-    shadow_own_half_width = abs(dot(offset, vec2f(shadow_own_bisector.y, -shadow_own_bisector.x)));
+    let offset = (c.xy - ndc * c.w) / max(clip.w + c.w, 1e-30) * 0.5 * resolution;
+    let along = (a.xy - ndc * a.w) / clip.w * 0.5 * resolution;
+    shadow_own_half_width = length(offset);
+    if length(along) > SHADOW_OWN_DEGENERATE * shadow_own_half_width {
+        shadow_own_half_width = abs(offset.x * along.y - offset.y * along.x) / length(along);
+    }
 }
 
 // The fibre's fragment in a texel.

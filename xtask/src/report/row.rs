@@ -77,6 +77,9 @@ pub struct Error {
     pub max: f64,
     /// Mean ꟻLIP of the pictures over mid-grey; none for shadows, or where it is not built in.
     pub flip: Option<f64>,
+    /// Of transmittance, the mean: above zero where too much light comes through.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub bias: Option<f64>,
 }
 
 /// Wall clock.

@@ -93,9 +93,14 @@ pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
 }
 
 fn table(rows: &[&Row], is_shadow: bool) -> String {
-    let last = if is_shadow { "picture RMSE" } else { "ꟻLIP" };
+    let last = if is_shadow {
+        "bias | picture RMSE"
+    } else {
+        "ꟻLIP"
+    };
+    let rule = if is_shadow { "|---" } else { "" };
     let mut text = format!(
-        "| technique | settings | RMSE | p99 | max | {last} | α RMSE, max | ms, median (min) | passes, ms | MB | fragments, M: culled, stored | merged |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n"
+        "| technique | settings | RMSE | p99 | max | {last} | α RMSE, max | ms, median (min) | passes, ms | MB | fragments, M: culled, stored | merged |\n|---|---|---|---|---|---|---|---|---|---|---|---{rule}|\n"
     );
     for row in rows {
         let Error {
@@ -103,13 +108,18 @@ fn table(rows: &[&Row], is_shadow: bool) -> String {
             p99,
             max,
             flip,
+            bias,
         } = row.error;
+        let number = |value: Option<f64>| value.map_or("–".into(), |value| format!("{value:.5}"));
         let last = if is_shadow {
-            row.image_error.map(|error| error.rmse)
+            let bias = bias.map_or("–".into(), |bias| format!("{bias:+.4}"));
+            format!(
+                "{bias} | {}",
+                number(row.image_error.map(|error| error.rmse))
+            )
         } else {
-            flip
+            number(flip)
         };
-        let last = last.map_or("–".into(), |value| format!("{value:.5}"));
         let alpha = row.alpha_error.map_or("–".into(), |error| {
             format!("{:.5}, {:.4}", error.rmse, error.max)
         });
