@@ -839,8 +839,7 @@ typedef struct PelageApproximatedDeepShadowMap {
     uint32_t resolution;
     // Width of the filter in texels: 1, 3 or 5.
     uint32_t pcf;
-    // Opacity of each fibre that is guessed to lie in the way, above 0 and up to 1. 0: the fibres' own where `spacing` is
-    // given, else that times the part of a texel that a fibre covers on average.
+    // Opacity of each fibre that is guessed to lie in the way, above 0 and up to 1. 0: the fibres' own.
     float opacity;
     // Mean distance between fibres along a ray, in host units. 0: such that mean transmittance is that of fibres spread
     // evenly in the volume that they fill.

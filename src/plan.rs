@@ -858,7 +858,7 @@ pub(crate) fn first_map(frame: &Frame, number: usize) -> Option<(LightCamera, DV
 /// The fibres of all hairs; how densely they fill space only where that is asked for.
 fn fibres(frame: &Frame, placed: &[Placed], with_density: bool) -> Fibres {
     let mut fibres = Fibres::default();
-    let (mut lengths, mut areas, mut volumes) = (0.0, 0.0, 0.0);
+    let (mut areas, mut volumes) = (0.0, 0.0);
     for placed in placed {
         let hair = frame.hairs[placed.hair];
         let opacity = f64::from(hair.opacity);
@@ -869,14 +869,12 @@ fn fibres(frame: &Frame, placed: &[Placed], with_density: bool) -> Fibres {
             diameter = density.diameter * placed.scale;
             volumes += density.volume * placed.scale.powi(3);
         }
-        lengths += length;
         areas += length * diameter;
         fibres.opacity += opacity * length * diameter;
     }
     let over = |sum: f64, by: f64| if by > 0.0 { sum / by } else { 0.0 };
     Fibres {
         opacity: over(fibres.opacity, areas),
-        diameter: over(areas, lengths),
         area_density: over(areas, volumes),
     }
 }

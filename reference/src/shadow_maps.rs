@@ -117,14 +117,15 @@ pub fn shadow_map(occluders: &[Occluder], depth: f64, strength: f64) -> f64 {
 }
 
 /// Approximated deep shadow map (Hunz eq. 68, 69): `(1 - opacity)ⁿ`, n the fibres that lie `spacing` apart from each other
-/// between the texel's nearest one, which counts, and the point.
+/// between the nearest one at the texel's centre, which counts, and the point.
 pub fn approximated_deep_shadow_map(
     occluders: &[Occluder],
     depth: f64,
     opacity: f64,
     spacing: f64,
 ) -> f64 {
-    match occluders.first() {
+    let mut at_centre = occluders.iter().filter(|occluder| occluder.at_centre);
+    match at_centre.next() {
         Some(nearest) if nearest.depth < depth => {
             (1.0 - opacity).powf((depth - nearest.depth) / spacing + 1.0)
         }

@@ -1,6 +1,6 @@
 // Approximated deep shadow map: the look-up (Hunz §4.3; Martin et al. 2014 as "approximated deep shadows"). How many
-// fibres lie between the light and a point is guessed from its depth behind the texel's nearest fibre, d_f - d_s, and the
-// mean spacing w of fibres along the ray:
+// fibres lie between the light and a point is guessed from its depth behind the nearest fibre at the texel's centre, d_f - d_s,
+// and the mean spacing w of fibres along the ray:
 //
 //     n = (d_f - d_s) / w + 1 where d_f - d_s > ε (the step: the nearest fibre itself), else 0
 //     transmittance = (1 - α_s)ⁿ

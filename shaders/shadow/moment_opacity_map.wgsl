@@ -28,5 +28,8 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     for (var k = 1u; k + 1u < words; k++) {
         b[k - 1u] = kept * (2.0 * moment_sum(texel, k, carries) / total - 1.0);
     }
-    return shadow_passed(total / MOMENT_SCALE * clamp(moment_before(b, x, own_mass * MOMENT_SCALE / total, six), 0.0, 1.0), map);
+    let bounds = clamp(moment_before(b, x, own_mass * MOMENT_SCALE / total, six), vec2f(0.0), vec2f(1.0));
+    let least = shadow_passed(total / MOMENT_SCALE * bounds.x, map);
+    let most = shadow_passed(total / MOMENT_SCALE * bounds.y, map);
+    return ShadowTexel(mix(least.transmittance, most.transmittance, MOMENT_PART), mix(least.fibres, most.fibres, MOMENT_PART));
 }

@@ -23,9 +23,9 @@ const MOMENT_OVERFLOW_DEPTH: f32 = 1048576.0;
 // rounding of the sums. Measured on hair: half of the latter leaves moments that no measure has.
 const MOMENT_BIAS: f32 = 1e-5;
 const MOMENT_BIAS_STEPS: f32 = 32.0;
-// The part of the mass at x that counts as before it. Measured on the straight groom at opacities 0.3, 0.5 and 1 with 6
-// moments: RMSE 0.085, 0.085, 0.087 with 0.3, against 0.072, 0.087, 0.105 with 0.5; 99th percentiles 0.25, 0.28, 0.38
-// against 0.31, 0.41, 0.55.
+// Where between the bounds the transmittance is taken to lie. Not the mass: of dense hair that is a lot at x, of which any part
+// would leave a lit surface dark. RMSE 0.045 and 0.035 with 4 and 6 moments, against 0.058 and 0.042 of a part of the mass
+// (2,000 straight strands, opacity 0.3).
 const MOMENT_PART: f32 = 0.3;
 // The least pivot: far below what the bias leaves.
 const MOMENT_PIVOT: f32 = 1e-7;
@@ -88,8 +88,9 @@ fn moment_mass_at(f: MomentFactors, x: f32, s: f32) -> vec2f {
     return vec2f(select(0.0, mass, s > 0.0), mass);
 }
 
-// The part of the whole mass that lies before x, from b_1 … b_m over b_0. `own` is a mass at x that does not count.
-fn moment_before(b: array<f32, 6>, x: f32, own: f32, six: bool) -> f32 {
+// Bounds of the part of the whole mass that lies before x, from b_1 … b_m over b_0: without and with the mass at x, of which
+// `own` does not count.
+fn moment_before(b: array<f32, 6>, x: f32, own: f32, six: bool) -> vec2f {
     let f = moment_factors(b, six);
     let p = moment_orthogonal(f, x);
     // K(x, ·) = Σ k_j T_j, and its Taylor polynomial at x.
@@ -128,5 +129,5 @@ fn moment_before(b: array<f32, 6>, x: f32, own: f32, six: bool) -> f32 {
     // With the mass at x the others' are 1. Each is off by rounding of its zero where two lie close together, and so by more
     // than their sum may be.
     let others = sums.x * (1.0 - here) / max(sums.y, 1e-30);
-    return others + MOMENT_PART * max(here - own, 0.0);
+    return vec2f(others, others + max(here - own, 0.0));
 }

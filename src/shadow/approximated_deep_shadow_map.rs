@@ -1,9 +1,10 @@
 //! Approximated deep shadow map (Hunz §4.3, from TressFX): a map of nearest depths, and behind each a guess of how many
 //! fibres there are, n, from the depth behind it and the mean spacing of fibres along a ray; transmittance is (1 - α_s)ⁿ.
 //!
-//! A texel's nearest fibre is the first that touches it, so that n counts what a beam as wide as a texel meets.
+//! A texel's nearest fibre is the first at its centre, as in a shadow map, so that n counts what a ray meets: fibres spread as
+//! Poisson's points would then be crossed by n of mean transmittance exactly (1 - α_s)ⁿ.
 
-use std::f64::consts::{FRAC_PI_4, PI};
+use std::f64::consts::FRAC_PI_4;
 
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes};
@@ -29,7 +30,7 @@ pub(crate) const DEPTH: Emission = Emission {
     files: NEAREST,
     group: Group::MapsWritten,
     touch_only: true,
-    centre_only: false,
+    centre_only: true,
     downscale: 1,
 };
 
@@ -46,8 +47,7 @@ pub struct ApproximatedDeepShadowMap {
     pub resolution: u32,
     /// Width of the filter in texels: 1, 3 or 5.
     pub pcf: u32,
-    /// α_s, the opacity of each fibre that is guessed to lie in the way, above 0 and up to 1. `None`: the fibres' own where
-    /// `spacing` is given, else that times the part of a texel that a fibre covers on average.
+    /// α_s, the opacity of each fibre that is guessed to lie in the way, above 0 and up to 1. `None`: the fibres' own.
     pub opacity: Option<f32>,
     /// w, the mean distance between fibres along a ray, in host units, above 0. `None`: such that mean transmittance is
     /// that of fibres spread evenly in the volume that they fill.
@@ -88,14 +88,7 @@ impl ApproximatedDeepShadowMap {
 
     pub(super) fn shape(&self, sight: &Sight) -> Shape {
         let fibres = sight.fibres;
-        let texel = sight.width / f64::from(self.resolution);
-        // A fibre of width w touches w + 4/π texels a texel of length on average.
-        let covered = fibres.diameter / (fibres.diameter + 4.0 / PI * texel);
-        let own = match self.spacing {
-            Some(_) => fibres.opacity,
-            None => fibres.opacity * covered,
-        };
-        let opacity = self.opacity.map_or(own, f64::from);
+        let opacity = self.opacity.map_or(fibres.opacity, f64::from);
         let optical_depth = (-(1.0 - opacity).ln()).min(OPAQUE);
         // π/4 is the mean sine between fibre and ray.
         let extinction = FRAC_PI_4 * fibres.opacity * fibres.area_density;

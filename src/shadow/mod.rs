@@ -152,9 +152,7 @@ impl Shadow {
 pub(crate) struct Fibres {
     /// Mean of their own opacities, by area.
     pub opacity: f64,
-    /// Mean over their length, and length × diameter over the volume that they fill, in host units: 0 where no technique
-    /// asks for them.
-    pub diameter: f64,
+    /// Length × diameter over the volume that they fill, in 1 / host units: 0 where no technique asks for it.
     pub area_density: f64,
 }
 

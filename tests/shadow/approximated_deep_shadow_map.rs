@@ -16,17 +16,17 @@ use crate::common::scenes::{WHITE, portrait};
 use super::support::{OPAQUE, directional, draw, exact, image_of, light, modelled};
 
 const DIRECTION: DVec3 = DVec3::new(-0.4, -0.8, -0.5);
-/// 16-bit floats, and texels that a fibre touches by less than a float tells. With a filter, texels beside the point in
-/// which a bent fibre is not where its segments at the point, prolonged, would be. Measured: RMSE 0.0008, 99th percentile
-/// 0.0026 with one texel; 0.0044 and 0.021 with 3×3.
+/// Decisions of yes or no, as in a shadow map: a texel's centre on a fibre's rim hangs on the last bit. With a filter, texels
+/// beside the point in which a bent fibre is not where its segments at the point, prolonged, would be. Measured: RMSE
+/// 0.028, 99th percentile 0.117 with one texel; 0.015 and 0.071 with 3×3.
 const MODEL: [Tolerance; 2] = [
     Tolerance {
-        rmse: 2e-3,
-        p99: 4e-3,
+        rmse: 4e-2,
+        p99: 1.5e-1,
     },
     Tolerance {
-        rmse: 8e-3,
-        p99: 4e-2,
+        rmse: 2e-2,
+        p99: 8e-2,
     },
 ];
 
@@ -78,8 +78,8 @@ fn it_is_what_its_model_says() {
 }
 
 /// How far the mean may be from that of the light that truly reaches the hair's points, with opacity and spacing of the
-/// library's own finding. Measured: 6 % above with straight strands, 3 % below with curly ones.
-const BIAS: f64 = 0.15;
+/// library's own finding: 11 % above was measured with straight strands, and 18 % where α_s is said to be 0.2 of opaque fibres.
+const BIAS: f64 = 0.2;
 
 #[test]
 fn spacing_and_opacity_found_from_the_groom_give_about_the_right_mean() {

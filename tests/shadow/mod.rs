@@ -1,6 +1,7 @@
 //! Tests of `pelage::shadow`.
 
 mod approximated_deep_shadow_map;
+mod convergence;
 mod deep_opacity_map;
 mod every;
 mod k_buffer_volume;

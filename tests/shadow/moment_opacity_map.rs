@@ -30,9 +30,9 @@ fn bias(total: f64) -> f64 {
     (1e-5 + 32.0 / (total * SCALE)).min(1.0)
 }
 
-/// Ω before x by the technique's model, without what of it is the point's own at x; moments of no measure say that all lies
-/// before.
-fn model(steps: &[(f64, f64)], m: usize, x: f64, own: f64) -> f64 {
+/// Ω before x by the technique's model, with a part of what lies at x but for the point's own there; moments of no measure say
+/// that all lies before.
+fn model(steps: &[(f64, f64)], m: usize, x: f64, own: f64, part: f64) -> f64 {
     let sums = moments(steps, m);
     if x <= -1.0 {
         return 0.0;
@@ -40,7 +40,7 @@ fn model(steps: &[(f64, f64)], m: usize, x: f64, own: f64) -> f64 {
     if x >= 1.0 {
         return (sums[0] - own).max(0.0);
     }
-    moments_optical_depth(&sums, x, own, bias(sums[0]), PART).unwrap_or(sums[0])
+    moments_optical_depth(&sums, x, own, bias(sums[0]), part).unwrap_or(sums[0])
 }
 
 /// What crosses a texel: places in [-1, 1] and optical depths, nearest first.
@@ -103,7 +103,7 @@ fn moments_err_less_per_byte_than_fourier_series_and_layers() {
         for opacity in [0.3, 1.0] {
             let texels = texels(&mut device, groom, opacity);
             for m in [4, 6] {
-                let of_moments = error(&texels, |texel, x| model(texel, m, x, 0.0));
+                let of_moments = error(&texels, |texel, x| model(texel, m, x, 0.0, PART));
                 let [ringing, damped] = [false, true].map(|damped| {
                     error(&texels, |texel, x| {
                         fourier_optical_depth(&fourier(texel, m / 2), x, damped)
@@ -138,7 +138,7 @@ fn a_fourier_series_lets_light_rise_again_and_moments_do_not() {
     assert!(rise(&|x| fourier_optical_depth(&coefficients, x, false)) > 1e-4);
     assert!(rise(&|x| fourier_optical_depth(&coefficients, x, true)) < 1e-12);
     for m in [4, 6] {
-        assert!(rise(&|x| model(&texel, m, x, 0.0)) < 1e-9);
+        assert!(rise(&|x| model(&texel, m, x, 0.0, PART)) < 1e-9);
     }
 }
 
@@ -174,7 +174,8 @@ fn before_on_device(device: &Device, m: usize, cases: &[(Texel, f64)]) -> Vec<f6
             if i >= arrayLength(&values) { return; }
             var b: array<f32, 6>;
             for (var k = 0u; k < 6u; k++) { b[k] = cases[8u * i + k]; }
-            values[i] = moment_before(b, cases[8u * i + 6u], 0.0, cases[8u * i + 7u] > 0.0);
+            let bounds = moment_before(b, cases[8u * i + 6u], 0.0, cases[8u * i + 7u] > 0.0);
+            values[i] = mix(bounds.x, bounds.y, MOMENT_PART);
         }";
     let input: Vec<f32> = cases
         .iter()
@@ -260,7 +261,7 @@ fn the_mass_before_a_place_is_the_models_and_never_falls() {
                 most = (off, i);
             }
             let total: f64 = texel.iter().map(|step| step.1).sum();
-            sum += (value - model(texel, m, *x, 0.0) / total).powi(2);
+            sum += (value - model(texel, m, *x, 0.0, PART) / total).powi(2);
         }
         let rmse = (sum / values.len() as f64).sqrt();
         eprintln!(
@@ -326,8 +327,11 @@ fn it_is_what_its_model_says() {
             let depth = own.map_or(seen.depth, |own| own.depth);
             let mass = own.map_or(0.0, |own| step(own).1);
             let x = 2.0 * depth / map.extent - 1.0;
-            let before = model(&steps, moments as usize, x, mass);
-            (-before * (1.0 - f64::from(transmitted))).exp()
+            let [least, most] = [0.0, 1.0].map(|part| {
+                let before = model(&steps, moments as usize, x, mass, part);
+                (-before * (1.0 - f64::from(transmitted))).exp()
+            });
+            least + PART * (most - least)
         });
         // Red alone is coloured.
         let mut expected = image_of(&frame, size, &passed);

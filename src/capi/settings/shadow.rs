@@ -210,8 +210,7 @@ pub struct PelageApproximatedDeepShadowMap {
     pub resolution: u32,
     /// Width of the filter in texels: 1, 3 or 5.
     pub pcf: u32,
-    /// Opacity of each fibre that is guessed to lie in the way, above 0 and up to 1. 0: the fibres' own where `spacing` is
-    /// given, else that times the part of a texel that a fibre covers on average.
+    /// Opacity of each fibre that is guessed to lie in the way, above 0 and up to 1. 0: the fibres' own.
     pub opacity: f32,
     /// Mean distance between fibres along a ray, in host units. 0: such that mean transmittance is that of fibres spread
     /// evenly in the volume that they fill.
