@@ -1194,6 +1194,28 @@ typedef struct PelageFrame {
     float ambient[3];
 } PelageFrame;
 
+// GPU memory that a context will hold once a frame has been rendered, in bytes, the targets left out.
+typedef struct PelageMemoryEstimate {
+    // `sizeof(PelageMemoryEstimate)`.
+    uint32_t struct_size;
+    // 0.
+    uint32_t reserved;
+    // All of it: what is held now, with all hairs, and what the frame adds.
+    uint64_t bytes_total;
+    // Of these, what is not held yet.
+    uint64_t bytes_added;
+    // Hairs, and their points and segments as they are projected.
+    uint64_t bytes_geometry;
+    // Shaded points, and the shading models' tables.
+    uint64_t bytes_shading;
+    // The lights' maps.
+    uint64_t bytes_shadow;
+    // The transparency technique's: pixels, and the pool of fragments.
+    uint64_t bytes_transparency;
+    // The rasteriser's.
+    uint64_t bytes_raster;
+} PelageMemoryEstimate;
+
 // What a frame did, and what a context holds.
 typedef struct PelageStatistics {
     // `sizeof(PelageStatistics)`.
@@ -1831,6 +1853,17 @@ PelageResult pelage_render_timed(struct PelageContext context,
                                  struct PelageTarget target,
                                  uint32_t flags);
 
+// States in `*estimate`, begun with `PELAGE_MEMORY_ESTIMATE_INIT`, the GPU memory that the context will hold once `frame` has
+// been rendered with `flags` into a target like `*target`, which need not exist. It follows from the techniques, the hairs,
+// the size, `pool_bytes` and the byte budget, and from what the last frames left. Renders and allocates nothing.
+//
+// Errors: as `pelage_render`, but for memory.
+PelageResult pelage_frame_memory_estimate(struct PelageContext context,
+                                          const struct PelageFrame *frame,
+                                          const struct PelageTargetDescriptor *target,
+                                          uint32_t flags,
+                                          struct PelageMemoryEstimate *estimate);
+
 // Says what the latest frame did, and what the context holds, in `*statistics`, begun with `PELAGE_STATISTICS_INIT`.
 // Does not wait.
 PelageResult pelage_statistics(struct PelageContext context, struct PelageStatistics *statistics);
@@ -1992,6 +2025,7 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_LIGHT_INIT { sizeof(PelageLight), 0, { 0.0, -1.0, 0.0 }, { 0.0, 0.0, 0.0 }, { 1.0f, 1.0f, 1.0f }, 0, NULL, 0.4f, 0.5f }
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_TARGET_DESCRIPTOR_INIT { sizeof(PelageTargetDescriptor), 0, 0, 0, 0, 0 }
+#define PELAGE_MEMORY_ESTIMATE_INIT { sizeof(PelageMemoryEstimate), 0, 0, 0, 0, 0, 0, 0, 0 }
 #define PELAGE_STATISTICS_INIT { sizeof(PelageStatistics), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 #define PELAGE_VULKAN_INSTANCE_INIT { sizeof(PelageVulkanInstance), 0, NULL, NULL, 0, 0 }
 #define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }

@@ -202,10 +202,9 @@ impl Geometry {
                 strands.strand_count()
             );
         }
-        let order = morton_order(strands);
-        let pieces = curve_pieces(strands);
+        let (order, pieces) = (morton_order(strands), curve_pieces(strands));
         let packed = pack(strands, &order, pieces, run_limit(gpu))?;
-        let colours: Vec<[u32; 2]> = strands.colours().iter().map(|c| half_colour(*c)).collect();
+        let colours = half_colours(strands);
         let buffer = |label, bytes: &[u8]| -> Result<Allocation> {
             let allocation = gpu.storage(label, bytes.len() as u64)?;
             gpu.queue.write_buffer(&allocation.buffer, 0, bytes);
@@ -245,6 +244,18 @@ impl Geometry {
             guiding: None,
             density: OnceLock::new(),
         })
+    }
+
+    /// Bytes that [`Geometry::new`] takes.
+    pub fn bytes(gpu: &Gpu, strands: &Strands) -> Result<u64> {
+        let (order, pieces) = (morton_order(strands), curve_pieces(strands));
+        let packed = pack(strands, &order, pieces, run_limit(gpu))?;
+        let sizes = [
+            size_of_val(&*packed.points),
+            size_of_val(&*packed.attributes),
+            size_of_val(&*half_colours(strands)),
+        ];
+        Ok(sizes.map(|size| Gpu::allocated(size as u64)).iter().sum())
     }
 
     /// How densely the strands fill space; measured once, and not anew where they move.
@@ -301,6 +312,11 @@ fn run_limit(gpu: &Gpu) -> usize {
 fn half_colour(c: [f32; 3]) -> [u32; 2] {
     let half = |v: f32| u32::from(half::f16::from_f32(v.min(65504.0)).to_bits());
     [half(c[0]) | half(c[1]) << 16, half(c[2])]
+}
+
+/// The strands' colours as the GPU holds them.
+fn half_colours(strands: &Strands) -> Vec<[u32; 2]> {
+    strands.colours().iter().map(|c| half_colour(*c)).collect()
 }
 
 /// Strand numbers in the order of a Morton curve through their middle points.

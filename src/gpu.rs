@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use crate::error::{Error, Result};
 use crate::layout::SPREAD_PARTS;
+use crate::memory::Forecast;
 use crate::raster::Rasteriser;
 use crate::shader::Module;
 use crate::shading::Shader;
@@ -212,6 +213,11 @@ impl Ledger {
         self.total
     }
 
+    /// What is held now, for what is yet to be.
+    pub fn forecast(&self) -> Forecast {
+        Forecast::new(self.by_label.clone(), self.budget)
+    }
+
     pub fn peak(&self) -> u64 {
         self.peak
     }
@@ -222,6 +228,9 @@ impl Ledger {
             .map_or(u64::MAX, |budget| budget.saturating_sub(self.total))
     }
 }
+
+/// What fills a guard.
+pub(crate) const GUARD: u8 = 0xc5;
 
 /// Bytes on the ledger, until this is dropped.
 #[derive(Debug)]
@@ -242,7 +251,7 @@ pub(crate) struct Allocation {
 #[derive(Debug)]
 pub(crate) struct ImageAllocation {
     pub texture: wgpu::Texture,
-    _booking: Booking,
+    booking: Booking,
 }
 
 impl Drop for Booking {
@@ -255,7 +264,18 @@ impl Drop for Booking {
     }
 }
 
+impl ImageAllocation {
+    /// Its bytes.
+    pub fn size(&self) -> u64 {
+        self.booking.size
+    }
+}
+
 impl Allocation {
+    pub fn label(&self) -> &'static str {
+        self.booking.label
+    }
+
     pub fn size(&self) -> u64 {
         self.booking.size
     }
@@ -316,6 +336,8 @@ pub(crate) struct Gpu {
     compute: HashMap<PipelineKey, wgpu::ComputePipeline>,
     render: HashMap<PipelineKey, wgpu::RenderPipeline>,
     ledger: Arc<Mutex<Ledger>>,
+    /// Bytes behind every storage buffer that is made, on no ledger: tests see there whether a shader has left its bounds.
+    pub guard: u64,
 }
 
 /// Checks what every shader of the library takes for granted.
@@ -364,6 +386,7 @@ impl Gpu {
             compute: HashMap::new(),
             render: HashMap::new(),
             ledger: Arc::default(),
+            guard: 0,
         })
     }
 
@@ -386,6 +409,27 @@ impl Gpu {
     pub fn wide_atomics(&self) -> bool {
         let wide = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_ALL_OPS;
         self.device.features().contains(wide)
+    }
+
+    /// Refuses images that are larger than the device's.
+    pub fn check_size(&self, [width, height]: [u32; 2]) -> Result<()> {
+        if width.max(height) > self.limits.max_texture_dimension_2d {
+            return Err(Error::Unsupported(format!(
+                "a target of {width}×{height} pixels"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Bytes that a buffer of `size` bytes takes.
+    pub fn allocated(size: u64) -> u64 {
+        size.max(1).next_multiple_of(256)
+    }
+
+    /// Bytes of an image.
+    pub fn image_bytes([width, height]: [u32; 2], format: wgpu::TextureFormat) -> u64 {
+        let texel = u64::from(format.block_copy_size(None).unwrap_or(0));
+        u64::from(width) * u64::from(height) * texel
     }
 
     /// Makes a buffer of `size` bytes, rounded up to 256, and puts it on the ledger.
@@ -417,7 +461,7 @@ impl Gpu {
         usage: wgpu::BufferUsages,
         bytes: &[u8],
     ) -> Result<Allocation> {
-        let size = size.max(1).next_multiple_of(256);
+        let size = Self::allocated(size);
         if size > self.limits.max_buffer_size {
             return Err(Error::OutOfMemory(format!(
                 "{label}: {size} bytes are more than the device's largest buffer, {}",
@@ -430,10 +474,16 @@ impl Gpu {
                 "{label}: {size} bytes are more than the {left} left in the budget"
             )));
         }
+        let can_be_guarded = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let guard = if usage.contains(can_be_guarded) {
+            self.guard
+        } else {
+            0
+        };
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            size,
+            size: size + guard,
             usage,
             mapped_at_creation: !bytes.is_empty(),
         });
@@ -449,6 +499,10 @@ impl Gpu {
                 Err(error) => return Err(Error::OutOfMemory(format!("{label}: {error}"))),
             }
             buffer.unmap();
+        }
+        if guard > 0 {
+            self.queue
+                .write_buffer(&buffer, size, &vec![GUARD; guard as usize]);
         }
         Ok(Allocation {
             buffer,
@@ -476,8 +530,7 @@ impl Gpu {
         [width, height]: [u32; 2],
         format: wgpu::TextureFormat,
     ) -> Result<ImageAllocation> {
-        let texel = u64::from(format.block_copy_size(None).unwrap_or(0));
-        let size = u64::from(width) * u64::from(height) * texel;
+        let size = Self::image_bytes([width, height], format);
         let left = lock(&self.ledger).left();
         if size > left {
             return Err(Error::OutOfMemory(format!(
@@ -506,7 +559,7 @@ impl Gpu {
         }
         Ok(ImageAllocation {
             texture,
-            _booking: self.book(label, size),
+            booking: self.book(label, size),
         })
     }
 

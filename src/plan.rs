@@ -15,7 +15,8 @@ use crate::layout::{
     UNIFORM_STRIDE,
 };
 use crate::light::{LightCamera, LightKind, light_cameras};
-use crate::occluder;
+use crate::memory::Viewport;
+use crate::occluder::{self, Occluder};
 use crate::raster::Rasteriser;
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
@@ -202,7 +203,13 @@ fn vector(v: DVec4) -> [f32; 4] {
 }
 
 impl Plan {
-    pub fn new(gpu: &Gpu, frame: &Frame, target: &Target) -> Result<Self> {
+    /// The viewport is the target's. Without a target, its corner, occluders and shadow images are left out.
+    pub fn new(
+        gpu: &Gpu,
+        frame: &Frame,
+        viewport: &Viewport,
+        target: Option<&Target>,
+    ) -> Result<Self> {
         frame.view.validate()?;
         if frame.lights.len() > MAX_LIGHTS {
             return invalid!(
@@ -226,20 +233,22 @@ impl Plan {
             .iter()
             .enumerate()
             .try_for_each(|(number, hair)| hair.validate(number))?;
-        occluder::validate(target.occluders, frame.lights.len())?;
+        let occluded_by = target.map_or(&[][..], |target| target.occluders);
+        occluder::validate(occluded_by, frame.lights.len())?;
         let lights = frame.lights.len();
         let unlit = |shadow: &ShadowImage| shadow.light >= lights;
-        if let Some(number) = target.shadow_images.iter().position(unlit) {
+        let shadow_images = target.map_or(&[][..], |target| target.shadow_images);
+        if let Some(number) = shadow_images.iter().position(unlit) {
             return invalid!(
                 "shadow image {number}: light {} of a frame of {lights} lights",
-                target.shadow_images[number].light
+                shadow_images[number].light
             );
         }
         let transparency = choose_transparency(frame)?;
         transparency.validate()?;
         transparency.fits(gpu)?;
         let mut shader = one_shader(frame)?;
-        shader.occluded = !target.occluders.is_empty();
+        shader.occluded = !occluded_by.is_empty();
         if shader.occluded && shader.rate == ShadingRate::Fragment {
             return Err(Error::Conflict(
                 "occluders shadow hair that is shaded at points; hair 0 has the shading rate Fragment".into(),
@@ -254,7 +263,8 @@ impl Plan {
             )));
         }
 
-        let [left, top, width, height] = target.area();
+        let Viewport { width, height, .. } = *viewport;
+        let [left, top, ..] = target.map_or([0; 4], Target::area);
         let origin = frame.view.origin();
         let placed: Vec<Placed> = frame
             .hairs
@@ -280,7 +290,7 @@ impl Plan {
             flags |= layout::FRAME_REVERSE_Z;
         }
         let sought = if transparency.seeks_nearest() {
-            Sought::by(target)
+            Sought::by(viewport)
         } else {
             Sought::default()
         };
@@ -322,9 +332,9 @@ impl Plan {
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
             shadow: Shadow::None,
-            shadows_only: target.shadows_only,
+            shadows_only: target.is_some_and(|target| target.shadows_only),
             reverse_z: frame.view.reverse_z,
-            host_depth: target.depth.is_some(),
+            host_depth: viewport.depth,
             sought,
             sorting: Sorting::default(),
             sort: false,
@@ -341,7 +351,7 @@ impl Plan {
                 }
                 _ => false,
             },
-            tracked: target.outputs.wanted().1,
+            tracked: viewport.tracked(),
             origin: [left, top],
             parts: 1,
             frame_uniform: layout::Frame {
@@ -366,13 +376,13 @@ impl Plan {
                 seed: transparency.seed(),
                 place_of_depth: place_of_depth(&clip_from_relative, &placed, frame.view.reverse_z),
                 technique: transparency.values(),
-                occluder_count: target.occluders.len() as u32,
+                occluder_count: occluded_by.len() as u32,
                 padding_0: 0,
                 padding_1: 0,
                 padding_2: 0,
                 lights: bytemuck::Zeroable::zeroed(),
                 shadow_views: bytemuck::Zeroable::zeroed(),
-                occluders: occluders(target, origin),
+                occluders: occluders(occluded_by, origin),
             },
             runs,
         };
@@ -398,14 +408,7 @@ impl Plan {
             plan.frame_uniform.technique = plan.sorting.values(settings.order);
         }
         plan.add_lights(frame, &placed, origin, gpu)?;
-        plan.add_bands(
-            frame,
-            &placed,
-            &clip_from_relative,
-            eye_relative,
-            target,
-            gpu,
-        );
+        plan.add_bands(frame, &placed, &clip_from_relative, eye_relative, gpu);
         Ok(plan)
     }
 
@@ -611,6 +614,7 @@ impl Plan {
             colour: shape.colour,
         };
         let seen = Seen {
+            image_px: f64::from(shape.resolution).powi(2),
             half_width_px: half_width,
             length_px: f64::from(shape.resolution),
             fragments: 0.0,
@@ -654,7 +658,6 @@ impl Plan {
         placed: &[Placed],
         clip_from_relative: &DMat4,
         eye: DVec4,
-        target: &Target,
         gpu: &Gpu,
     ) {
         let most = Needs::most_pixels(|pixels| self.needs(pixels), gpu.max_binding());
@@ -665,7 +668,7 @@ impl Plan {
         } else {
             0
         };
-        flags |= if target.depth.is_some() {
+        flags |= if self.host_depth {
             layout::DRAWING_HOST_DEPTH
         } else {
             0
@@ -827,9 +830,9 @@ fn plan_runs(
 }
 
 /// The host's shadow maps, with positions relative to an origin.
-fn occluders(target: &Target, origin: DVec3) -> [layout::Occluder; MAX_OCCLUDERS] {
+fn occluders(given: &[Occluder], origin: DVec3) -> [layout::Occluder; MAX_OCCLUDERS] {
     let mut uniforms = [bytemuck::Zeroable::zeroed(); MAX_OCCLUDERS];
-    for (uniform, occluder) in uniforms.iter_mut().zip(target.occluders) {
+    for (uniform, occluder) in uniforms.iter_mut().zip(given) {
         *uniform = occluder.uniform(origin);
     }
     uniforms

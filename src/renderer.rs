@@ -1,12 +1,13 @@
 //! The renderer: a device's pipelines and pools, and the calls that make hair and record frames.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, invalid};
 use crate::frame::{self, Frame, Target};
 use crate::gather::{self, PointSource};
 use crate::geometry::{Geometry, Hair};
 use crate::gpu::{Gpu, Passes};
 use crate::groom::{GuidedStrands, Strands};
 use crate::guided::{self, Guiding};
+use crate::memory::{MemoryEstimate, Viewport};
 use crate::plan::Plan;
 use crate::resources::Resources;
 use crate::statistics::{Fragments, Statistics};
@@ -124,6 +125,37 @@ impl Renderer {
         self.gpu.set_byte_budget(budget);
     }
 
+    /// States the GPU memory that the renderer will hold once a frame has been recorded. The technique, the viewport, the hairs,
+    /// pools' own `pool_bytes` and the byte budget decide it, together with what the last frames left and how many fragments
+    /// they needed: pools grow and are kept. The device's memory and this renderer are as before.
+    ///
+    /// # Errors
+    /// A value out of range, named; a conflict of wishes; a viewport of no pixels, or larger than the device's largest image.
+    pub fn memory_estimate(
+        &mut self,
+        frame: &Frame,
+        viewport: &Viewport,
+    ) -> Result<MemoryEstimate> {
+        let Viewport { width, height, .. } = *viewport;
+        if width == 0 || height == 0 {
+            return invalid!("a viewport of {width}×{height} pixels");
+        }
+        self.gpu.check_size([width, height])?;
+        self.collect();
+        let plan = Plan::new(&self.gpu, frame, viewport, None)?;
+        let forecast = self.resources.forecast(&self.gpu, &plan)?;
+        Ok(forecast.estimate())
+    }
+
+    /// States the GPU memory that [`Renderer::create_hair`] will take for strands, in bytes. As much work as that, but for the
+    /// upload.
+    ///
+    /// # Errors
+    /// More points than the device binds.
+    pub fn hair_memory_estimate(&self, strands: &Strands) -> Result<u64> {
+        Geometry::bytes(&self.gpu, strands)
+    }
+
     /// Records a frame into the host's encoder and submits nothing. At most eight frames may be recorded before the
     /// first of them is submitted.
     ///
@@ -167,7 +199,7 @@ impl Renderer {
                 ));
             }
         }
-        let mut plan = Plan::new(&self.gpu, frame, target)?;
+        let mut plan = Plan::new(&self.gpu, frame, &target.into(), Some(target))?;
         self.resources
             .prepare(&self.gpu, frame, &mut plan, target)?;
         frame::record(&mut self.gpu, passes, &self.resources, &plan, target)?;
@@ -197,6 +229,11 @@ impl Renderer {
     /// The queue that the renderer works on.
     pub fn queue(&self) -> &wgpu::Queue {
         &self.gpu.queue
+    }
+
+    /// For the crate's own tests.
+    pub(crate) fn parts(&mut self) -> (&mut Gpu, &mut Resources) {
+        (&mut self.gpu, &mut self.resources)
     }
 
     /// Waits for all work submitted to the device.

@@ -4,13 +4,14 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::frame::{Frame, Target};
 use crate::gpu::{Allocation, Gpu, Group, ImageAllocation, Passes};
 use crate::layout::{Counters, MAX_OCCLUDERS, ORDER_KEYS, PointOutput, Projected};
+use crate::memory::Forecast;
 use crate::occluder::Occluder;
 use crate::plan::{Plan, part_capacity};
-use crate::raster::Rasteriser;
+use crate::raster::{ATTACHMENT, Rasteriser};
 use crate::shading::{ShadingRate, tables, transmission};
 use crate::surface::{Subresource, Surface};
 use crate::transparency::a_buffer::{self, FRAGMENT_BYTES, KEY_BYTES, NODE_BYTES};
@@ -30,6 +31,10 @@ const SMALLEST_POOL: u64 = 1 << 16;
 /// Bytes that a pool leaves free in the host's budget.
 const RESERVE: u64 = 1 << 16;
 
+const UNIFORMS: &str = "pelage.uniforms";
+const LINKS: &str = "pelage.transparency.links";
+const FRAGMENTS: &str = "pelage.transparency.fragments";
+
 /// The state of a slot's counters on their way back.
 const IDLE: u8 = 0;
 const PENDING: u8 = 1;
@@ -44,6 +49,19 @@ pub(crate) struct Pixels {
     /// The parts of the fragment pool.
     pub fragments: [Allocation; 3],
     pub overflow: Allocation,
+}
+
+impl Pixels {
+    fn new(gpu: &Gpu) -> Result<Self> {
+        let empty = |label| gpu.storage(label, 256);
+        Ok(Self {
+            counters: empty("pelage.counters")?,
+            fill: empty("pelage.transparency.fill")?,
+            links: empty(LINKS)?,
+            fragments: [empty(FRAGMENTS)?, empty(FRAGMENTS)?, empty(FRAGMENTS)?],
+            overflow: empty("pelage.transparency.overflow")?,
+        })
+    }
 }
 
 /// One frame's uniforms and returning counters.
@@ -169,7 +187,8 @@ impl Bound<'_> {
 
     /// Zeroes the counters before a band.
     pub fn clear_counters(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.clear_buffer(&self.pixels.counters.buffer, 0, None);
+        let counters = &self.pixels.counters;
+        encoder.clear_buffer(&counters.buffer, 0, Some(counters.size()));
     }
 
     /// Copies the counters to where their arguments can be taken from.
@@ -240,7 +259,7 @@ pub(crate) struct Resources {
     slots: Vec<Slot>,
     slot: usize,
     no_depth: wgpu::Texture,
-    attachment: Option<wgpu::Texture>,
+    attachment: Option<ImageAllocation>,
     /// Fragments that the last frames needed.
     needed: u64,
     capacity: u64,
@@ -255,20 +274,81 @@ fn part(allocation: &Allocation, first: u64, count: u64, each: u64) -> wgpu::Bin
     })
 }
 
-/// Grows a buffer to `size` bytes; the old one is kept where that fails.
-fn grow(
-    gpu: &Gpu,
-    slot: &mut Allocation,
-    label: &'static str,
-    size: u64,
-    generation: &mut u64,
-) -> Result<()> {
-    if slot.size() >= size {
-        return Ok(());
+/// What it means that buffers grow.
+enum Growth<'a> {
+    /// They are made anew.
+    Made {
+        gpu: &'a Gpu,
+        /// How many were.
+        count: u64,
+    },
+    /// It is said what they would take.
+    Foreseen(&'a mut Forecast),
+}
+
+impl Growth<'_> {
+    /// Grows a buffer to `size` bytes; the old one is kept where that fails.
+    fn buffer(&mut self, slot: &mut Allocation, label: &'static str, size: u64) -> Result<()> {
+        if slot.size() >= size {
+            return Ok(());
+        }
+        match self {
+            Self::Made { gpu, count } => {
+                *slot = gpu.storage(label, size)?;
+                *count += 1;
+            }
+            Self::Foreseen(forecast) => {
+                forecast.replace(label, slot.size(), Gpu::allocated(size));
+            }
+        }
+        Ok(())
     }
-    *slot = gpu.storage(label, size)?;
-    *generation += 1;
-    Ok(())
+
+    /// Grows a buffer whose old bytes come free before the new ones are taken.
+    fn buffer_anew(&mut self, slot: &mut Allocation, label: &'static str, size: u64) -> Result<()> {
+        if let Self::Made { gpu, count } = self
+            && slot.size() < size
+        {
+            *slot = gpu.storage(label, 256)?;
+            *count += 1;
+        }
+        self.buffer(slot, label, size)
+    }
+
+    /// Makes an image of another size or format; the old one comes free before.
+    fn image(
+        &mut self,
+        slot: &mut Option<ImageAllocation>,
+        label: &'static str,
+        size: [u32; 2],
+        format: wgpu::TextureFormat,
+    ) -> Result<()> {
+        match self {
+            Self::Made { gpu, count } => {
+                *slot = None;
+                *count += 1;
+                *slot = Some(gpu.image(label, size, format)?);
+            }
+            Self::Foreseen(forecast) => {
+                let before = slot.as_ref().map_or(0, ImageAllocation::size);
+                forecast.replace(label, before, Gpu::image_bytes(size, format));
+            }
+        }
+        Ok(())
+    }
+
+    /// Bytes left within the budget.
+    fn left(&self) -> u64 {
+        match self {
+            Self::Made { gpu, .. } => gpu.ledger().left(),
+            Self::Foreseen(forecast) => forecast.left(),
+        }
+    }
+}
+
+/// Bytes of a frame's uniform blocks.
+fn uniform_bytes(plan: &Plan) -> u64 {
+    (plan.uniforms.len() as u64).next_power_of_two()
 }
 
 impl Resources {
@@ -310,17 +390,7 @@ impl Resources {
             maps: empty("pelage.shadow.maps")?,
             tables: tables::Held::default(),
             bounds: transmission::Bounds::default(),
-            pixels: Pixels {
-                counters: empty("pelage.counters")?,
-                fill: empty("pelage.transparency.fill")?,
-                links: empty("pelage.transparency.links")?,
-                fragments: [
-                    empty("pelage.transparency.fragments")?,
-                    empty("pelage.transparency.fragments")?,
-                    empty("pelage.transparency.fragments")?,
-                ],
-                overflow: empty("pelage.transparency.overflow")?,
-            },
+            pixels: Pixels::new(gpu)?,
             histogram: empty("pelage.transparency.sorted_blending.histogram")?,
             sorted: empty("pelage.transparency.sorted_blending.order")?,
             blended: None,
@@ -372,15 +442,13 @@ impl Resources {
             let place = self.tables.place(&plan.shadings[hair]);
             plan.set_tables(hair, place);
         }
-        self.grow_pools(gpu, plan)?;
-        if gpu.limits.max_texture_dimension_2d < plan.width.max(plan.height) {
-            return Err(Error::Unsupported(format!(
-                "a target of {}×{} pixels",
-                plan.width, plan.height
-            )));
+        let mut growth = Growth::Made { gpu, count: 0 };
+        let grown = self.grow(gpu, plan, &mut growth);
+        if let Growth::Made { count, .. } = growth {
+            self.generation += count;
         }
-        self.grow_attachment(gpu, plan);
-        self.grow_sorted(gpu, frame, plan)?;
+        self.capacity = grown?;
+        self.find_order(frame, plan);
         let key_matches = self.groups.as_ref().is_some_and(|groups| {
             groups.generation == self.generation
                 && groups.serials == plan.serials
@@ -397,75 +465,106 @@ impl Resources {
         self.write_uniforms(gpu, plan, target)
     }
 
-    fn grow_pools(&mut self, gpu: &Gpu, plan: &Plan) -> Result<()> {
-        let generation = &mut self.generation;
+    /// Lets the pixels' buffers go, as if no frame had been drawn.
+    pub fn drop_pixels(&mut self, gpu: &Gpu) -> Result<()> {
+        self.pixels = Pixels::new(gpu)?;
+        self.needed = 0;
+        self.generation += 1;
+        Ok(())
+    }
+
+    /// The buffers that emissions write.
+    pub fn emitted(&self) -> [&Allocation; 10] {
+        let pool = &self.pixels;
+        let [first, second, third] = &pool.fragments;
+        [
+            &pool.counters,
+            &pool.fill,
+            &pool.links,
+            first,
+            second,
+            third,
+            &pool.overflow,
+            &self.histogram,
+            &self.sorted,
+            &self.maps,
+        ]
+    }
+
+    /// What will be held when the plan's frame is prepared.
+    pub fn forecast(&mut self, gpu: &Gpu, plan: &Plan) -> Result<Forecast> {
+        let mut forecast = gpu.ledger().forecast();
+        if plan.runs.is_empty() {
+            return Ok(forecast);
+        }
+        self.tables.forecast(plan, &mut forecast);
+        self.grow(gpu, plan, &mut Growth::Foreseen(&mut forecast))?;
+        let uniforms = &self.slots[(self.slot + 1) % RING].uniforms;
+        let held = uniforms.as_ref().map_or(0, Allocation::size);
+        if held < plan.uniforms.len() as u64 {
+            forecast.replace(UNIFORMS, held, Gpu::allocated(uniform_bytes(plan)));
+        }
+        Ok(forecast)
+    }
+
+    /// Grows everything to what the plan needs. Returns how many fragments the pool holds.
+    fn grow(&mut self, gpu: &Gpu, plan: &Plan, growth: &mut Growth) -> Result<u64> {
+        gpu.check_size([plan.width, plan.height])?;
+        self.grow_points(plan, growth)?;
+        growth.buffer(&mut self.maps, "pelage.shadow.maps", plan.map_words * 4)?;
+        self.grow_attachment(plan, growth)?;
+        self.grow_sorted(gpu, plan, growth)?;
+        if plan.shadows_only {
+            return Ok(self.capacity);
+        }
+        // Last: a pool takes what the budget leaves.
+        self.grow_pixels(gpu, plan, growth)
+    }
+
+    /// What belongs to points, segments and tiles.
+    fn grow_points(&mut self, plan: &Plan, growth: &mut Growth) -> Result<()> {
         let points = plan.point_count;
-        grow(
-            gpu,
+        let each = size_of::<Projected>() as u64;
+        growth.buffer(
             &mut self.projected,
             "pelage.geometry.projected",
-            points * size_of::<Projected>() as u64,
-            generation,
+            points * each,
         )?;
-        grow(
-            gpu,
-            &mut self.order,
-            "pelage.geometry.order",
-            points * 4,
-            generation,
-        )?;
-        grow(
-            gpu,
+        growth.buffer(&mut self.order, "pelage.geometry.order", points * 4)?;
+        growth.buffer(
             &mut self.order_counts,
             "pelage.geometry.order_counts",
             plan.runs.len() as u64 * ORDER_KEYS * 4,
-            generation,
         )?;
         match plan.shader.rate {
-            ShadingRate::Point => grow(
-                gpu,
-                &mut self.shaded,
-                "pelage.shading.points",
-                points * 8,
-                generation,
-            )?,
-            ShadingRate::Fragment => grow(
-                gpu,
+            ShadingRate::Point => {
+                growth.buffer(&mut self.shaded, "pelage.shading.points", points * 8)?;
+            }
+            ShadingRate::Fragment => growth.buffer(
                 &mut self.fibre_points,
                 "pelage.shading.fibre_points",
                 plan.fibre_point_bytes(),
-                generation,
             )?,
         }
         if plan.tracked {
-            grow(
-                gpu,
+            growth.buffer(
                 &mut self.point_outputs,
                 "pelage.geometry.point_outputs",
                 points * size_of::<PointOutput>() as u64,
-                generation,
             )?;
         }
         if plan.host_depth || plan.cuts {
-            let bytes = u64::from(plan.tile_count()) * 8;
-            grow(
-                gpu,
+            growth.buffer(
                 &mut self.host_tiles,
                 "pelage.geometry.host_tiles",
-                bytes,
-                generation,
+                u64::from(plan.tile_count()) * 8,
             )?;
         }
-        grow(
-            gpu,
-            &mut self.maps,
-            "pelage.shadow.maps",
-            plan.map_words * 4,
-            generation,
-        )?;
-        if plan.shadows_only {
-            return Ok(());
-        }
+        Ok(())
+    }
+
+    /// What belongs to pixels. Returns how many fragments the pool holds.
+    fn grow_pixels(&mut self, gpu: &Gpu, plan: &Plan, growth: &mut Growth) -> Result<u64> {
         let pixels = plan
             .bands
             .iter()
@@ -474,24 +573,23 @@ impl Resources {
             .unwrap_or(0);
         let pool = &mut self.pixels;
         let needs = plan.needs(pixels);
-        let mut sized =
-            |slot: &mut Allocation, label, bytes| grow(gpu, slot, label, bytes, generation);
-        sized(&mut pool.fill, "pelage.transparency.fill", needs.fill)?;
-        sized(&mut pool.links, "pelage.transparency.links", needs.links)?;
-        sized(
+        growth.buffer(&mut pool.fill, "pelage.transparency.fill", needs.fill)?;
+        if !needs.fragments.linked() {
+            growth.buffer(&mut pool.links, LINKS, needs.links)?;
+        }
+        growth.buffer(
             &mut pool.overflow,
             "pelage.transparency.overflow",
             needs.overflow,
         )?;
         match needs.fragments {
-            Fragments::Fixed(bytes) => sized(
-                &mut pool.fragments[0],
-                "pelage.transparency.fragments",
-                bytes,
-            ),
+            Fragments::Fixed(bytes) => {
+                growth.buffer(&mut pool.fragments[0], FRAGMENTS, bytes)?;
+                Ok(self.capacity)
+            }
             Fragments::Pool { linked, bytes } => {
                 let expected = plan.transparency.expected(plan.expected_fragments, pixels);
-                self.grow_fragments(gpu, plan, expected, linked, bytes)
+                self.grow_fragments(gpu, plan, expected, linked, bytes, growth)
             }
         }
     }
@@ -504,7 +602,8 @@ impl Resources {
         expected: u64,
         lists: bool,
         pool_bytes: Option<u64>,
-    ) -> Result<()> {
+        growth: &mut Growth,
+    ) -> Result<u64> {
         let each = if lists { NODE_BYTES } else { FRAGMENT_BYTES };
         let part = part_capacity(gpu);
         let held = self.fragments_held(part);
@@ -522,41 +621,29 @@ impl Resources {
             }
         };
         // What the old pool holds comes free before the new one is made; the ring's uniforms find room too.
-        let reserve = RING as u64 * (plan.uniforms.len() as u64).next_power_of_two() + RESERVE;
-        let left = (gpu.ledger().left().saturating_sub(reserve) / each).saturating_add(held);
+        let reserve = RING as u64 * uniform_bytes(plan) + RESERVE;
+        let left = (growth.left().saturating_sub(reserve) / each).saturating_add(held);
         let wanted = wanted.min(left).max(1);
         if held < wanted {
             let bytes = a_buffer::pool_bytes(wanted, part);
             for (slot, bytes) in self.pixels.fragments.iter_mut().zip(bytes) {
-                if slot.size() < bytes {
-                    // The old part comes free before the new one is made.
-                    *slot = gpu.storage("pelage.transparency.fragments", 256)?;
-                    self.generation += 1;
-                    grow(
-                        gpu,
-                        slot,
-                        "pelage.transparency.fragments",
-                        bytes,
-                        &mut self.generation,
-                    )?;
-                }
+                growth.buffer_anew(slot, FRAGMENTS, bytes)?;
             }
         }
         if lists {
-            let links = &mut self.pixels.links;
-            let label = "pelage.transparency.links";
-            grow(gpu, links, label, wanted * 4, &mut self.generation)?;
+            growth.buffer(&mut self.pixels.links, LINKS, wanted * 4)?;
         }
         let held = self.fragments_held(part).min(most);
-        self.capacity = if pool_bytes.is_some() {
+        let capacity = if pool_bytes.is_some() {
             wanted.min(held)
         } else {
             held
         };
-        if lists {
-            self.capacity = self.capacity.min(self.pixels.links.size() / 4);
-        }
-        Ok(())
+        Ok(if lists {
+            capacity.min(self.pixels.links.size() / 4)
+        } else {
+            capacity
+        })
     }
 
     /// Fragments that the pool holds, by keys and by the rest of them: the second part counts where the first one is full.
@@ -571,7 +658,7 @@ impl Resources {
     }
 
     /// The attachment of ribbons, as large as the largest image that they draw.
-    fn grow_attachment(&mut self, gpu: &Gpu, plan: &Plan) {
+    fn grow_attachment(&mut self, plan: &Plan, growth: &mut Growth) -> Result<()> {
         let view = [(plan.rasteriser, plan.width, plan.height)];
         let maps = plan
             .maps
@@ -585,64 +672,52 @@ impl Resources {
             .map(|(_, w, h)| (w, h))
             .reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))
         else {
-            return;
+            return Ok(());
         };
-        if self
-            .attachment
-            .as_ref()
-            .is_some_and(|held| held.width() >= width && held.height() >= height)
-        {
-            return;
+        let fits = |held: &ImageAllocation| {
+            held.texture.width() >= width && held.texture.height() >= height
+        };
+        if self.attachment.as_ref().is_some_and(fits) {
+            return Ok(());
         }
-        self.attachment = Some(gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("pelage.raster.ribbons"),
-            size: wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: crate::raster::ATTACHMENT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
-            view_formats: &[],
-        }));
+        let label = "pelage.raster.ribbons";
+        let size = [width, height];
+        growth.image(&mut self.attachment, label, size, ATTACHMENT)
     }
 
-    /// What sorted blending needs, and whether this frame sorts anew.
-    fn grow_sorted(&mut self, gpu: &Gpu, frame: &Frame, plan: &mut Plan) -> Result<()> {
+    /// What sorted blending needs.
+    fn grow_sorted(&mut self, gpu: &Gpu, plan: &Plan, growth: &mut Growth) -> Result<()> {
         let Transparency::SortedBlending(settings) = plan.transparency else {
             return Ok(());
         };
-        let generation = &mut self.generation;
-        grow(
-            gpu,
+        growth.buffer(
             &mut self.histogram,
             "pelage.transparency.sorted_blending.histogram",
             plan.sorting.histogram_bytes(),
-            generation,
         )?;
-        grow(
-            gpu,
+        growth.buffer(
             &mut self.sorted,
             "pelage.transparency.sorted_blending.order",
             plan.sorting.order_bytes(),
-            generation,
         )?;
         let format = settings.format(gpu);
         let fits = |held: &ImageAllocation| {
             let image = &held.texture;
             image.format() == format && image.width() >= plan.width && image.height() >= plan.height
         };
-        if !self.blended.as_ref().is_some_and(fits) {
-            // The old one comes free before the new one is made.
-            self.blended = None;
-            *generation += 1;
-            let label = "pelage.transparency.sorted_blending.image";
-            self.blended = Some(gpu.image(label, [plan.width, plan.height], format)?);
+        if self.blended.as_ref().is_some_and(fits) {
+            return Ok(());
         }
+        let label = "pelage.transparency.sorted_blending.image";
+        let size = [plan.width, plan.height];
+        growth.image(&mut self.blended, label, size, format)
+    }
 
+    /// Whether this frame sorts anew, where the technique sorts.
+    fn find_order(&mut self, frame: &Frame, plan: &mut Plan) {
+        let Transparency::SortedBlending(settings) = plan.transparency else {
+            return;
+        };
         let mut of = plan.serials.clone();
         let opacities = frame.hairs.iter().map(|hair| hair.opacity.to_bits());
         of.extend(opacities.map(u64::from));
@@ -661,7 +736,6 @@ impl Resources {
         if found.known {
             found.age += 1;
         }
-        Ok(())
     }
 
     /// What sorted blending binds.
@@ -848,8 +922,7 @@ impl Resources {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let stale = slot.uniforms.as_ref().is_none_or(|held| held.size() < size);
         if stale {
-            slot.uniforms =
-                Some(gpu.allocate("pelage.uniforms", size.next_power_of_two(), usage)?);
+            slot.uniforms = Some(gpu.allocate(UNIFORMS, uniform_bytes(plan), usage)?);
         }
         let Some(uniforms) = &slot.uniforms else {
             return Ok(());
@@ -956,7 +1029,7 @@ impl Resources {
             attachment: self
                 .attachment
                 .as_ref()
-                .map(|texture| texture.create_view(&Default::default())),
+                .map(|image| image.texture.create_view(&Default::default())),
             arguments: &self.arguments.buffer,
             returned: &slot.counters,
         })

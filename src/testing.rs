@@ -4,8 +4,10 @@
 
 use std::mem::offset_of;
 
+use crate::Renderer;
 use crate::composite;
 use crate::geometry::Projection;
+use crate::gpu::GUARD;
 use crate::layout;
 use crate::shader::{Constant, FILES, Module};
 use crate::shading::{
@@ -24,6 +26,54 @@ use crate::transparency::{
     a_buffer, dbk_buffer, depth_peeling, moment, nearest, opaque, random_subsets, resolve_module,
     sorted_blending, weighted_blended,
 };
+
+/// Bytes of a guard: as many as a workgroup of a loop that went one element too far would write.
+const GUARD_BYTES: u64 = 4096;
+
+/// Puts a guard behind every buffer that the renderer makes from now on, and has it make the pixels' buffers anew.
+pub fn guard(renderer: &mut Renderer) {
+    let (gpu, resources) = renderer.parts();
+    gpu.guard = GUARD_BYTES;
+    resources.drop_pixels(gpu).unwrap();
+}
+
+/// Writes one word behind the first of the pixels' buffers, as a shader might.
+pub fn break_guard(renderer: &mut Renderer) {
+    let (gpu, resources) = renderer.parts();
+    let fill = resources.emitted()[1];
+    gpu.queue.write_buffer(&fill.buffer, fill.size(), &[0; 4]);
+}
+
+/// How many of the buffers that emissions write are guarded, and the labels of those whose guard has been written to. Waits
+/// for the GPU.
+pub fn guards(renderer: &mut Renderer) -> (usize, Vec<&'static str>) {
+    let (gpu, resources) = renderer.parts();
+    let (mut count, mut broken) = (0, Vec::new());
+    for held in resources.emitted() {
+        if held.buffer.size() == held.size() {
+            continue;
+        }
+        count += 1;
+        let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("pelage.testing.guard"),
+            size: GUARD_BYTES,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&held.buffer, held.size(), &copy, 0, Some(GUARD_BYTES));
+        gpu.queue.submit([encoder.finish()]);
+        copy.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+        gpu.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .unwrap();
+        let bytes = copy.get_mapped_range(..).unwrap();
+        if bytes.iter().any(|byte| *byte != GUARD) {
+            broken.push(held.label());
+        }
+    }
+    (count, broken)
+}
 
 /// A module that the crate can build.
 pub struct Combination {

@@ -17,7 +17,7 @@ use crate::common::scenes::{a_buffer, portrait};
 const SIZE: [u32; 2] = [41, 54];
 
 /// What every driver allows that the library is made for.
-fn least() -> Limits {
+pub fn least() -> Limits {
     Limits {
         max_bind_groups: 4,
         max_storage_buffers_per_shader_stage: 10,
@@ -29,7 +29,7 @@ fn least() -> Limits {
     }
 }
 
-fn open(limits: Limits) -> (wgpu::Device, wgpu::Queue, wgpu::AdapterInfo) {
+pub fn open(limits: Limits) -> (wgpu::Device, wgpu::Queue, wgpu::AdapterInfo) {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::VULKAN;
     descriptor.flags = wgpu::InstanceFlags::VALIDATION;

@@ -148,6 +148,24 @@ impl Camera {
         }
     }
 
+    /// The view of a band of rows alone: `rows` of them, of which the upper one is row `first` of this view.
+    pub fn rows(&self, first: usize, rows: usize) -> Self {
+        // pixel'.y = pixel.y - first, where pixel.y = (½ - ndc.y / 2) · height.
+        let scale = self.height as f64 / rows as f64;
+        let shift = 1.0 - (self.height as f64 - 2.0 * first as f64) / rows as f64;
+        let band = DMat4::from_cols(
+            DVec4::X,
+            DVec4::new(0.0, scale, 0.0, 0.0),
+            DVec4::Z,
+            DVec4::new(0.0, shift, 0.0, 1.0),
+        );
+        Self {
+            clip_from_world: band * self.clip_from_world,
+            height: rows,
+            ..*self
+        }
+    }
+
     /// Where a clip-space position with `w > 0` falls, in pixels.
     pub fn pixel_from_clip(&self, clip: DVec4) -> DVec2 {
         DVec2::new(

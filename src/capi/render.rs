@@ -1,12 +1,15 @@
 //! Rendering.
 
+use super::descriptor::{self, descriptor};
 use super::error::{PelageResult, guard};
 use super::frame::{GivenFrame, PelageFrame};
 use super::input::flags;
 use super::registry::{PelageContext, PelageTarget, State};
+use super::target::{PelageTargetDescriptor, wanted_outputs};
 use crate::error::Result;
 use crate::frame::{Frame, Target};
 use crate::host::offscreen::{Image, Offscreen};
+use crate::memory::Viewport;
 
 /// Clear the colour to transparent black first. Without it, hair is blended over what the colour holds.
 pub const PELAGE_RENDER_CLEAR: u32 = 1;
@@ -58,6 +61,101 @@ pub unsafe extern "C" fn pelage_render_timed(
                 .settle(timed)
                 .map(|statistics| Some(statistics.passes))
         })
+    })
+}
+
+/// GPU memory that a context will hold once a frame has been rendered, in bytes, the targets left out.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct PelageMemoryEstimate {
+    /// `sizeof(PelageMemoryEstimate)`.
+    pub struct_size: u32,
+    /// 0.
+    pub reserved: u32,
+    /// All of it: what is held now, with all hairs, and what the frame adds.
+    pub bytes_total: u64,
+    /// Of these, what is not held yet.
+    pub bytes_added: u64,
+    /// Hairs, and their points and segments as they are projected.
+    pub bytes_geometry: u64,
+    /// Shaded points, and the shading models' tables.
+    pub bytes_shading: u64,
+    /// The lights' maps.
+    pub bytes_shadow: u64,
+    /// The transparency technique's: pixels, and the pool of fragments.
+    pub bytes_transparency: u64,
+    /// The rasteriser's.
+    pub bytes_raster: u64,
+}
+
+impl Default for PelageMemoryEstimate {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            reserved: 0,
+            bytes_total: 0,
+            bytes_added: 0,
+            bytes_geometry: 0,
+            bytes_shading: 0,
+            bytes_shadow: 0,
+            bytes_transparency: 0,
+            bytes_raster: 0,
+        }
+    }
+}
+
+descriptor!(PelageMemoryEstimate, "PELAGE_MEMORY_ESTIMATE_INIT", bytes_raster: u64);
+
+/// States in `*estimate`, begun with `PELAGE_MEMORY_ESTIMATE_INIT`, the GPU memory that the context will hold once `frame` has
+/// been rendered with `flags` into a target like `*target`, which need not exist. It follows from the techniques, the hairs,
+/// the size, `pool_bytes` and the byte budget, and from what the last frames left. Renders and allocates nothing.
+///
+/// Errors: as `pelage_render`, but for memory.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_frame_memory_estimate(
+    context: PelageContext,
+    frame: *const PelageFrame,
+    target: *const PelageTargetDescriptor,
+    flags: u32,
+    estimate: *mut PelageMemoryEstimate,
+) -> PelageResult {
+    guard(|| {
+        context.check()?;
+        let flags = self::flags("flags", flags, ALL_FLAGS)?;
+        // SAFETY: the rule of the module `capi`.
+        let (given, target) = unsafe {
+            (
+                GivenFrame::read(frame)?,
+                descriptor::read("target", target)?,
+            )
+        };
+        let [_, _, width, height] = given
+            .rectangle
+            .unwrap_or([0, 0, target.width, target.height]);
+        let viewport = Viewport {
+            width,
+            height,
+            depth: target.with_depth != 0,
+            write_depth: flags & PELAGE_RENDER_WRITE_DEPTH != 0,
+            outputs: wanted_outputs(target.outputs)?,
+        };
+        let found = context.with(|State { host, hairs, .. }| {
+            let hairs = given.hairs(hairs)?;
+            let frame = given.frame(&hairs);
+            host.with_renderer(|renderer| renderer.memory_estimate(&frame, &viewport))
+        })?;
+        let value = PelageMemoryEstimate {
+            bytes_total: found.total,
+            bytes_added: found.added,
+            bytes_geometry: found.of("pelage.geometry."),
+            bytes_shading: found.of("pelage.shading."),
+            bytes_shadow: found.of("pelage.shadow."),
+            bytes_transparency: found.of("pelage.transparency."),
+            bytes_raster: found.of("pelage.raster."),
+            ..Default::default()
+        };
+        // SAFETY: the rule of the module `capi`.
+        unsafe { descriptor::write("estimate", estimate, &value) }
     })
 }
 

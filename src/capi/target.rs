@@ -248,7 +248,7 @@ pub unsafe extern "C" fn pelage_target_read_output(
     })
 }
 
-fn wanted_outputs(given: u32) -> Result<WantedOutputs> {
+pub(super) fn wanted_outputs(given: u32) -> Result<WantedOutputs> {
     let all = PELAGE_OUTPUT_NEAREST_DEPTH
         | PELAGE_OUTPUT_COVERAGE
         | PELAGE_OUTPUT_MOTION

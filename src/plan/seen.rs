@@ -7,6 +7,8 @@ use crate::frame::Frame;
 
 /// How large the hair is on the screen.
 pub(super) struct Seen {
+    /// Pixels of the image.
+    pub image_px: f64,
     pub half_width_px: f64,
     pub length_px: f64,
     pub fragments: f64,
@@ -26,10 +28,12 @@ impl Seen {
         self.depth / (COVERED * area)
     }
 
-    /// Invocations that share one segment, so that none walks too many pixels.
+    /// Invocations that share one segment, so that none walks too many pixels: loops end after 65,535 steps on some devices.
     pub fn splits(&self) -> u32 {
+        const MOST_STEPS: f64 = 60_000.0;
         let pixels = self.length_px * (2.0 * self.half_width_px + 3.0);
-        ((pixels / PIXELS_AN_INVOCATION).ceil() as u32).clamp(1, 64)
+        let most = (self.image_px / MOST_STEPS).ceil().max(64.0);
+        (pixels / PIXELS_AN_INVOCATION).ceil().clamp(1.0, most) as u32
     }
 }
 
@@ -43,6 +47,7 @@ pub(super) fn view_size(
 ) -> Seen {
     let screen = f64::from(width.max(height));
     let mut seen = Seen {
+        image_px: f64::from(width) * f64::from(height),
         half_width_px: 0.0,
         length_px: 0.0,
         fragments: 0.0,

@@ -4,6 +4,7 @@
 use super::{Shader, Shading, ShadingRate};
 use crate::error::{Error, Result};
 use crate::gpu::{Allocation, Gpu, Group, Passes, PipelineKey, workgroups};
+use crate::memory::Forecast;
 use crate::plan::Plan;
 use crate::resources::{Bound, RING};
 use crate::shader::Module;
@@ -37,6 +38,20 @@ pub(crate) fn lay_out(models: &[Shading], ambient: bool) -> (Vec<Place>, Vec<f32
 /// Frames after whose last use tables are dropped: as many as may be under way, so that views that take turns keep theirs.
 const KEPT_FRAMES: u64 = RING as u64;
 
+const LABEL: &str = "pelage.shading.tables";
+
+/// A frame's models, each once, and whether uniform light falls on them.
+fn models_of(plan: &Plan) -> (Vec<Shading>, bool) {
+    let ambient = plan.frame_uniform.ambient.iter().any(|&c| c > 0.0);
+    let mut models: Vec<Shading> = Vec::new();
+    for shading in &plan.shadings {
+        if !models.contains(shading) {
+            models.push(*shading);
+        }
+    }
+    (models, ambient)
+}
+
 /// The tables of all models of a frame.
 struct Set {
     models: Vec<Shading>,
@@ -60,15 +75,26 @@ pub(crate) struct Held {
 }
 
 impl Held {
-    /// Makes the tables that a frame's models need, if none of the last frames had the same.
-    pub fn hold(&mut self, gpu: &Gpu, plan: &Plan) -> Result<()> {
-        let ambient = plan.frame_uniform.ambient.iter().any(|&c| c > 0.0);
-        let mut models: Vec<Shading> = Vec::new();
-        for shading in &plan.shadings {
-            if !models.contains(shading) {
-                models.push(*shading);
+    /// Replaces in a forecast the bytes of what is held by those of what [`Held::hold`] will hold.
+    pub fn forecast(&self, plan: &Plan, forecast: &mut Forecast) {
+        let (models, ambient) = models_of(plan);
+        let bytes = |set: &Set| set.buffer.as_ref().map_or(0, Allocation::size);
+        let same = |set: &Set| set.models == models && set.ambient == ambient;
+        for set in &self.sets {
+            if self.frame + 1 - set.used > KEPT_FRAMES {
+                forecast.replace(LABEL, bytes(set), 0);
             }
         }
+        let kept = |set: &&Set| self.frame + 1 - set.used <= KEPT_FRAMES;
+        let (_, _, words) = lay_out(&models, ambient);
+        if words > 0 && !self.sets.iter().filter(kept).any(same) {
+            forecast.replace(LABEL, 0, Gpu::allocated(words * 4));
+        }
+    }
+
+    /// Makes the tables that a frame's models need, if none of the last frames had the same.
+    pub fn hold(&mut self, gpu: &Gpu, plan: &Plan) -> Result<()> {
+        let (models, ambient) = models_of(plan);
         self.frame += 1;
         let frame = self.frame;
         self.sets.retain(|set| frame - set.used <= KEPT_FRAMES);
@@ -93,7 +119,7 @@ impl Held {
         }
         let mut buffer = None;
         if size > 0 {
-            let make = || gpu.storage("pelage.shading.tables", size * 4);
+            let make = || gpu.storage(LABEL, size * 4);
             // Where there is no room the last frames' tables make it.
             let made = make().or_else(|_| {
                 self.sets.clear();

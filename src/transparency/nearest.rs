@@ -1,8 +1,8 @@
 //! Each pixel's nearest fragment, for techniques that keep no order: sought only where an output or the host's depth asks.
 
 use crate::error::Result;
-use crate::frame::Target;
 use crate::gpu::{Gpu, Group, Passes};
+use crate::memory::Viewport;
 use crate::plan::{Band, Plan};
 use crate::raster::{self, Draw, Emission};
 use crate::resources::Bound;
@@ -38,10 +38,10 @@ pub(crate) struct Sought {
 }
 
 impl Sought {
-    pub fn by(target: &Target) -> Self {
-        let (_, segment) = target.outputs.wanted();
+    pub fn by(viewport: &Viewport) -> Self {
+        let segment = viewport.tracked();
         Self {
-            depth: segment || target.write_depth || target.outputs.nearest_depth.is_some(),
+            depth: segment || viewport.write_depth || viewport.outputs.nearest_depth,
             segment,
         }
     }

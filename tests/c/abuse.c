@@ -158,6 +158,7 @@ static void listen(PelageContext context) {
     PelageView view = view_of_z();
     PelageFrame frame = PELAGE_FRAME_INIT;
     PelageStatistics statistics = PELAGE_STATISTICS_INIT;
+    PelageMemoryEstimate estimate = PELAGE_MEMORY_ESTIMATE_INIT;
     unsigned before;
 
     small.pool_bytes = 16;
@@ -170,9 +171,11 @@ static void listen(PelageContext context) {
     EXPECT(PELAGE_INVALID_VALUE, pelage_set_log_callback(6, on_log, &log));
     EXPECT(PELAGE_OK, pelage_set_log_callback(PELAGE_LOG_WARN, on_log, &log));
     EXPECT(PELAGE_OK, pelage_target_create(context, &image, &target));
+    EXPECT(PELAGE_OK, pelage_frame_memory_estimate(context, &frame, &image, PELAGE_RENDER_CLEAR, &estimate));
     EXPECT(PELAGE_OK, pelage_render(context, &frame, target, PELAGE_RENDER_CLEAR));
     EXPECT(PELAGE_OK, pelage_wait(context));
     EXPECT(PELAGE_OK, pelage_statistics(context, &statistics));
+    EXPECT_TRUE(statistics.bytes_total == estimate.bytes_total);
     EXPECT_TRUE(statistics.fragments_merged > 0);
     EXPECT_TRUE(log.merged > 0);
     EXPECT_TRUE(log.set_within == PELAGE_INVALID_VALUE);

@@ -54,6 +54,7 @@ int main(void) {
     PRINT(PelageLight, PELAGE_LIGHT_INIT);
     PRINT(PelageFrame, PELAGE_FRAME_INIT);
     PRINT(PelageTargetDescriptor, PELAGE_TARGET_DESCRIPTOR_INIT);
+    PRINT(PelageMemoryEstimate, PELAGE_MEMORY_ESTIMATE_INIT);
     PRINT(PelageStatistics, PELAGE_STATISTICS_INIT);
     PRINT(PelageVulkanInstance, PELAGE_VULKAN_INSTANCE_INIT);
     PRINT(PelageVulkanRequirements, PELAGE_VULKAN_REQUIREMENTS_INIT);

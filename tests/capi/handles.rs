@@ -111,6 +111,13 @@ fn context_calls(context: PelageContext) -> Vec<PelageResult> {
             pelage_target_create(context, &image, &mut target),
             pelage_render(context, &frame(&[], &[], &view), target, 0),
             pelage_render_timed(context, &frame(&[], &[], &view), target, 0),
+            pelage_frame_memory_estimate(
+                context,
+                &frame(&[], &[], &view),
+                &image,
+                0,
+                &mut PelageMemoryEstimate::default(),
+            ),
             pelage_context_destroy(context),
         ]
     }

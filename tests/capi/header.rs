@@ -424,6 +424,18 @@ fn initialisers() -> String {
         outputs
     );
     initialiser!(
+        PelageMemoryEstimate,
+        "PELAGE_MEMORY_ESTIMATE_INIT",
+        reserved,
+        bytes_total,
+        bytes_added,
+        bytes_geometry,
+        bytes_shading,
+        bytes_shadow,
+        bytes_transparency,
+        bytes_raster
+    );
+    initialiser!(
         PelageStatistics,
         "PELAGE_STATISTICS_INIT",
         reserved,

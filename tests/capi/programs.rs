@@ -272,6 +272,7 @@ fn the_headers_initialisers_are_the_librarys_defaults() {
         PelageLight,
         PelageFrame,
         PelageTargetDescriptor,
+        PelageMemoryEstimate,
         PelageStatistics,
         PelageVulkanInstance,
         PelageVulkanRequirements,

@@ -290,6 +290,47 @@ fn an_image_read_asynchronously_is_the_one_read_at_once() {
 }
 
 #[test]
+fn a_frame_states_its_memory_before_it_is_rendered() {
+    let context = Context::new();
+    let (lights, view, hairs) = ([PelageLight::default()], view(), [context.hair()]);
+    let frame = frame(&hairs, &lights, &view);
+    let image = |width| PelageTargetDescriptor {
+        width,
+        height: SIDE,
+        ..Default::default()
+    };
+    let mut estimate = PelageMemoryEstimate::default();
+    // SAFETY: the frame points to values that live; the other pointers are to values of their types.
+    unsafe {
+        let flags = PELAGE_RENDER_CLEAR;
+        let estimate_of = |image: &PelageTargetDescriptor, estimate: &mut PelageMemoryEstimate| {
+            pelage_frame_memory_estimate(context.0, &frame, image, flags, estimate)
+        };
+        wrong(estimate_of(&image(0), &mut estimate), "0×32 pixels");
+        assert_eq!(estimate.bytes_total, 0);
+        ok(estimate_of(&image(SIDE), &mut estimate));
+        assert!(estimate.bytes_added > 0, "{estimate:?}");
+        let target = context.target(PELAGE_FORMAT_RGBA16F, false);
+        ok(pelage_render(context.0, &frame, target, flags));
+        ok(pelage_wait(context.0));
+        assert_eq!(estimate.bytes_total, context.statistics().bytes_total);
+        let parts = [
+            estimate.bytes_geometry,
+            estimate.bytes_shading,
+            estimate.bytes_shadow,
+            estimate.bytes_transparency,
+            estimate.bytes_raster,
+        ];
+        assert!(parts[..4].iter().all(|bytes| *bytes > 0), "{estimate:?}");
+        assert!(parts.iter().sum::<u64>() <= estimate.bytes_total);
+        wrong(
+            pelage_frame_memory_estimate(context.0, &frame, std::ptr::null(), 0, &mut estimate),
+            "target is NULL",
+        );
+    }
+}
+
+#[test]
 fn statistics_count_and_lists_are_filled_up_to_their_capacity() {
     let context = Context::new();
     let (hair, target) = (context.hair(), context.target(PELAGE_FORMAT_RGBA16F, false));

@@ -18,19 +18,19 @@ use crate::common::scenes::{WHITE, a_buffer, pixel_view, portrait, reference, un
 use crate::common::{Device, device};
 
 /// A technique, and what it promises.
-struct Case {
-    name: &'static str,
-    technique: Transparency,
+pub struct Case {
+    pub name: &'static str,
+    pub technique: Transparency,
     /// A pixel's opacity is that of all its fragments.
-    alpha: bool,
+    pub alpha: bool,
     /// Colour and opacity are off by no more, from what the technique promises.
-    tolerance: Tolerance,
+    pub tolerance: Tolerance,
     /// Fragments of a pixel are composited in their order, if they are no more than eight.
-    order: bool,
+    pub order: bool,
 }
 
 /// Every technique by either rasteriser, and settings that take another way through its shaders.
-fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     let mut add = |name, technique, alpha, order| {
         cases.push(Case {

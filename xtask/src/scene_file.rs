@@ -5,6 +5,12 @@
 
 #[path = "../../examples/render/framing.rs"]
 pub mod framing;
+#[path = "../../examples/render/groom.rs"]
+pub mod groom;
+#[path = "../../examples/render/mesh_pass.rs"]
+pub mod mesh_pass;
+#[path = "../../examples/render/meshes.rs"]
+pub mod meshes;
 #[path = "../../examples/render/scene.rs"]
 pub mod scene;
 #[path = "../../examples/render/techniques/mod.rs"]

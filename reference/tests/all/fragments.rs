@@ -343,3 +343,29 @@ fn a_strand_may_be_walked_from_either_end() {
         );
     }
 }
+
+#[test]
+fn bands_of_rows_hold_the_fragments_of_the_whole() {
+    let strands = wavy_strands(60, 12, 1.5, 0.01, 7);
+    let view = look_at(DVec3::new(0.3, 0.2, 4.0), DVec3::ZERO, DVec3::Y);
+    let camera = Camera::perspective(view, 0.7, [0.5, 10.0], [61, 47]);
+    let whole = fragment_lists(&strands, &camera, None);
+    let mut compared = 0;
+    for (first, rows) in [(0, 1), (1, 30), (31, 16)] {
+        let band = fragment_lists(&strands, &camera.rows(first, rows), None);
+        assert_eq!((band.width, band.height), (61, rows));
+        for pixel in 0..band.pixels() {
+            let (own, expected) = (band.pixel(pixel), whole.pixel(first * 61 + pixel));
+            assert_eq!(own.len(), expected.len());
+            for (own, expected) in own.iter().zip(expected) {
+                assert_eq!(own.segment, expected.segment);
+                // Rows are counted from another place: a last digit of a pixel's.
+                assert!((own.coverage - expected.coverage).abs() < 1e-9);
+                assert!((own.depth - expected.depth).abs() < 1e-12);
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, whole.fragments.len());
+    assert!(compared > 1000);
+}

@@ -3,9 +3,10 @@
 use indicatif::ProgressBar;
 use pelage::shading::ShadingRate;
 
-use super::ladder::{Case, Scene};
+use super::ladder::Case;
 use super::measure::{Bench, row, spread};
 use super::row::{Error, Row};
+use super::scenes::Scene;
 use super::truth::Truth;
 use crate::Result;
 

@@ -1,10 +1,9 @@
-//! What is measured: the scenes, and each technique over a ladder of its settings.
+//! What is measured: each technique over a ladder of its settings.
 
 use std::fmt;
 
 use pelage::Raster;
 use pelage::glam::Vec3;
-use pelage::groom::BuiltinGroom;
 use pelage::shading::{
     Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
     ShadingRate, Tables,
@@ -21,68 +20,16 @@ use pelage::transparency::{
 use serde_json::Value;
 
 use super::Group;
+use super::scenes::{Extent, Scene};
 use crate::scene_file::techniques;
 
-/// A groom and a frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scene {
-    /// Its name in rows.
-    pub name: &'static str,
-    /// The groom.
-    pub groom: BuiltinGroom,
-    /// How many strands.
-    pub strands: usize,
-    /// Pixels in a row, and rows.
-    pub size: [u32; 2],
-    /// The fibres' own opacity.
-    pub opacity: f32,
-    /// Whether `--quick` measures it.
-    pub quick: bool,
-}
+/// Tolerances of the DBK-buffer; of each the reference knows the fewest fragments.
+pub const EPSILONS: [f32; 4] = [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0];
 
-/// The scenes of the report.
-pub const SCENES: &[Scene] = &[
-    Scene {
-        name: "straight_10k",
-        groom: BuiltinGroom::Straight,
-        strands: 10_000,
-        size: [328, 430],
-        opacity: 0.5,
-        quick: true,
-    },
-    Scene {
-        name: "straight",
-        groom: BuiltinGroom::Straight,
-        strands: 50_000,
-        size: [656, 861],
-        opacity: 0.5,
-        quick: false,
-    },
-    Scene {
-        name: "straight_0.1",
-        groom: BuiltinGroom::Straight,
-        strands: 50_000,
-        size: [656, 861],
-        opacity: 0.1,
-        quick: false,
-    },
-    Scene {
-        name: "straight_0.3",
-        groom: BuiltinGroom::Straight,
-        strands: 50_000,
-        size: [656, 861],
-        opacity: 0.3,
-        quick: false,
-    },
-    Scene {
-        name: "straight_0.9",
-        groom: BuiltinGroom::Straight,
-        strands: 50_000,
-        size: [656, 861],
-        opacity: 0.9,
-        quick: false,
-    },
-];
+/// What pictures of transparency are shaded by.
+pub fn picture_shading() -> Shading {
+    white(0.09, 60.0)
+}
 
 /// One technique with its settings.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +46,8 @@ pub struct Case {
     pub rate: Option<ShadingRate>,
     /// The pool as a part of what all fragments need; it becomes `pool_bytes` when that is known.
     pub pool: Option<f64>,
+    /// The depth shift as a part of the groom's extent along the view; it becomes `depth_shift` when that is known.
+    pub shift: Option<f64>,
 }
 
 impl Case {
@@ -129,6 +78,9 @@ impl Case {
             }
             if let Some(part) = self.pool {
                 map.insert("pool_part".into(), part.into());
+            }
+            if let Some(part) = self.shift {
+                map.insert("shift_part".into(), part.into());
             }
             if self.group == Group::Frames {
                 map.insert("shadow".into(), self.shadow.stem().into());
@@ -388,15 +340,89 @@ fn volume_shadows(resolutions: &[u32]) -> Vec<Shadow> {
     shadows
 }
 
-/// Every case, in the order of the tables. `quick` leaves out the largest maps.
-pub fn cases(quick: bool) -> Vec<Case> {
+/// The cases of a scene, in the order of the tables. `quick` leaves out the slowest.
+pub fn cases(scene: &Scene, quick: bool) -> Vec<Case> {
+    let of = |extent| move |case: &Case| scene.extent(case.group) == Some(extent);
+    let mut cases: Vec<Case> = ladder(quick)
+        .into_iter()
+        .filter(of(Extent::Ladder))
+        .collect();
+    cases.extend(defaults().into_iter().filter(of(Extent::Defaults)));
+    cases
+}
+
+/// Every shadow and transparency technique with its default settings.
+fn defaults() -> Vec<Case> {
+    let base = Case {
+        group: Group::Transparency,
+        shading: picture_shading(),
+        shadow: Shadow::None,
+        transparency: Transparency::default(),
+        rate: None,
+        pool: None,
+        shift: None,
+    };
+    let shadow = Case {
+        group: Group::Shadow,
+        shading: white(0.0, 60.0),
+        shadow: Shadow::default(),
+        transparency: Transparency::Opaque(Opaque::default()),
+        ..base.clone()
+    };
+    let shadows = default_shadows().into_iter();
+    let mut cases: Vec<Case> = shadows
+        .map(|technique| Case {
+            shadow: technique,
+            ..shadow.clone()
+        })
+        .collect();
+    cases.extend(default_techniques().map(|transparency| Case {
+        transparency,
+        ..base.clone()
+    }));
+    cases
+}
+
+/// Every shadow technique as a host has it without asking for more.
+fn default_shadows() -> [Shadow; 6] {
+    [
+        Shadow::ShadowMap(ShadowMap::default()),
+        Shadow::ApproximatedDeepShadowMap(ApproximatedDeepShadowMap::default()),
+        Shadow::OpacityShadowMaps(OpacityShadowMaps::default()),
+        Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+        Shadow::KBufferVolume(KBufferVolume::default()),
+        Shadow::MomentOpacityMap(MomentOpacityMap::default()),
+    ]
+}
+
+/// Every transparency technique as a host has it without asking for more.
+fn default_techniques() -> impl Iterator<Item = Transparency> {
+    [
+        Transparency::Opaque(Opaque::default()),
+        Transparency::WeightedBlended(WeightedBlended::default()),
+        Transparency::RandomSubsets(RandomSubsets::default()),
+        Transparency::SortedBlending(SortedBlending::default()),
+        Transparency::Moment(Moment::default()),
+        Transparency::DepthPeeling(DepthPeeling::default()),
+        Transparency::KPlusBuffer(KPlusBuffer::default()),
+        Transparency::KBufferSinglePass(KBufferSinglePass::default()),
+        Transparency::KBuffer(KBuffer::default()),
+        Transparency::ABuffer(ABuffer::default()),
+        Transparency::DbkBuffer(DbkBuffer::default()),
+    ]
+    .into_iter()
+}
+
+/// Every technique over the ladder of its settings.
+fn ladder(quick: bool) -> Vec<Case> {
     let base = Case {
         group: Group::Shading,
-        shading: white(0.09, 60.0),
+        shading: picture_shading(),
         shadow: Shadow::None,
         transparency: Transparency::Opaque(Opaque::default()),
         rate: None,
         pool: None,
+        shift: None,
     };
     let mut cases = Vec::new();
     for exponent in [10.0, 60.0, 300.0] {
@@ -503,12 +529,19 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
-    for epsilon in [1.0 / 16.0, 1.0 / 64.0, 1.0 / 256.0, 1.0 / 1024.0] {
+    for epsilon in EPSILONS {
         cases.push(Case {
             transparency: Transparency::DbkBuffer(DbkBuffer {
                 epsilon,
                 ..DbkBuffer::default()
             }),
+            ..base.clone()
+        });
+    }
+    for shift in [0.1, 0.25, 0.5] {
+        cases.push(Case {
+            transparency: Transparency::DbkBuffer(DbkBuffer::default()),
+            shift: Some(shift),
             ..base.clone()
         });
     }

@@ -1,5 +1,6 @@
 //! The GPU's side: renders a case, compares it, and times it.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use pelage::glam::Vec3;
@@ -9,12 +10,13 @@ use pelage::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
 use pelage::transparency::{DbkBuffer, Storage, Transparency};
 use pelage::{Frame, Hair, Light, LightKind, Target, wgpu};
 use pelage_reference::composite;
-use pelage_reference::error::colour_error;
+use pelage_reference::error::{ImageError, alpha_error, colour_error};
 
 use super::Group;
-use super::ladder::{Case, Scene};
+use super::ladder::Case;
 use super::row::{Error, Fragments, Row, Times};
-use super::truth::{IRRADIANCE, LIGHT_DIRECTION, Truth};
+use super::scenes::{Loaded, Scene};
+use super::truth::{IRRADIANCE, Truth};
 use super::{flip, samples};
 use crate::Result;
 
@@ -38,19 +40,26 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
     if case.group == Group::Samples {
         return samples::measure(scene, truth, case);
     }
+    let start = Instant::now();
     let mut case = case.clone();
-    set_pool(&mut case, truth.lists.fragments.len());
+    set_pool(&mut case, truth.fragments());
+    if let (Some(part), Transparency::DbkBuffer(settings)) = (case.shift, &mut case.transparency) {
+        settings.depth_shift = Some((part * truth.depth()) as f32);
+    }
     let mut bench = Bench::new(scene, truth, &case)?;
-    let (error, image_error) = match case.group {
+    let (error, image_error, alpha) = match case.group {
         Group::Shadow => {
             let (error, image_error) = bench.shadow_error(&case)?;
-            (error, Some(image_error))
+            (error, Some(image_error), None)
         }
-        Group::Shading => (
-            bench.image_error(&case, &truth.nearest(&case.shading, case.rate.is_some())?)?,
-            None,
-        ),
-        _ => (bench.image_error(&case, truth.exact(&case.shading)?)?, None),
+        Group::Shading => {
+            let truth = truth.nearest(&case.shading, case.rate.is_some())?;
+            (bench.image_error(&case, &truth)?.0, None, None)
+        }
+        _ => {
+            let (error, alpha) = bench.image_error(&case, &truth.exact())?;
+            (error, None, Some(alpha))
+        }
     };
     let times = if case.group == Group::Shadow {
         (0..TIMED_FRAMES)
@@ -59,10 +68,17 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
     } else {
         bench.times(&case)?
     };
+    let passes = match case.group {
+        Group::Transparency => bench.passes(&case)?,
+        _ => BTreeMap::new(),
+    };
     let statistics = bench.offscreen.renderer.statistics();
     let fragments = statistics.fragments;
     Ok(Row {
         image_error,
+        alpha_error: alpha,
+        passes,
+        seconds: Some(start.elapsed().as_secs_f64()),
         bytes: statistics.bytes_total,
         fragments: (fragments.produced > 0).then_some(Fragments {
             produced: fragments.produced,
@@ -75,7 +91,7 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
                 epsilon,
                 depth_shift: None,
                 ..
-            }) => Some(truth.fewest(f64::from(epsilon))),
+            }) => truth.fewest(epsilon),
             _ => None,
         },
         ..row(scene, &case, error, spread(times), bench.adapter())
@@ -99,6 +115,7 @@ pub fn row(
         height: scene.size[1],
         error,
         image_error: None,
+        alpha_error: None,
         ms,
         samples: None,
         ratio: None,
@@ -106,6 +123,8 @@ pub fn row(
         bytes: 0,
         fragments: None,
         fewest: None,
+        passes: BTreeMap::new(),
+        seconds: None,
         adapter: adapter.name.clone(),
         driver: format!("{} {}", adapter.driver, adapter.driver_info)
             .trim()
@@ -115,7 +134,7 @@ pub fn row(
 }
 
 /// Turns a part of the pool into bytes.
-fn set_pool(case: &mut Case, fragments: usize) {
+fn set_pool(case: &mut Case, fragments: u64) {
     let Some(part) = case.pool else { return };
     let bytes = |storage| {
         let each = match storage {
@@ -147,13 +166,21 @@ impl<'a> Bench<'a> {
         let mut offscreen = Offscreen::new(&OffscreenOptions::default()).map_err(sentence)?;
         let [width, height] = scene.size;
         let image = offscreen
-            .create_image(width, height, wgpu::TextureFormat::Rgba32Float, false)
+            .create_image(
+                width,
+                height,
+                wgpu::TextureFormat::Rgba32Float,
+                truth.scene.host_depth.is_some(),
+            )
             .map_err(sentence)?;
+        if let (Some(image), Some(depth)) = (&image.depth, &truth.scene.host_depth) {
+            offscreen.write_depth(image, depth).map_err(sentence)?;
+        }
         let mut hair = offscreen
             .renderer
-            .create_hair(&truth.strands)
+            .create_hair(&truth.scene.strands)
             .map_err(sentence)?;
-        hair.opacity = scene.opacity;
+        hair.opacity = truth.scene.opacity;
         hair.shading = case.shading;
         hair.shading_rate = case.rate.unwrap_or_default();
         Ok(Self {
@@ -166,12 +193,12 @@ impl<'a> Bench<'a> {
 
     /// Renders once; the wall clock from the start of recording in milliseconds.
     pub fn render(&mut self, shadow: Shadow, transparency: Transparency) -> Result<f64> {
-        let lights = [light(shadow)];
+        let lights = [light(&self.truth.scene, shadow)];
         let hairs = [&self.hair];
         let frame = frame(&hairs, &lights, self.truth, transparency);
         let start = Instant::now();
         self.offscreen
-            .render(&frame, &Target::cleared(&self.image.colour))
+            .render(&frame, &target(&self.image))
             .map_err(sentence)?;
         Ok(start.elapsed().as_secs_f64() * 1e3)
     }
@@ -219,31 +246,44 @@ impl<'a> Bench<'a> {
             .collect()
     }
 
-    /// The sum of the passes whose label begins so, each submitted alone, in milliseconds.
-    pub fn pass_time(&mut self, case: &Case, prefix: &str) -> Result<f64> {
-        let lights = [light(case.shadow)];
+    /// The time of each pass of a frame, submitted alone, in milliseconds.
+    pub fn passes(&mut self, case: &Case) -> Result<BTreeMap<String, f64>> {
+        let lights = [light(&self.truth.scene, case.shadow)];
         let hairs = [&self.hair];
         let frame = frame(&hairs, &lights, self.truth, case.transparency);
         let passes = self
             .offscreen
             .renderer
-            .render_timed(&frame, &Target::cleared(&self.image.colour))
+            .render_timed(&frame, &target(&self.image))
             .map_err(sentence)?
             .passes;
-        let of_prefix = passes.iter().filter(|pass| pass.label.starts_with(prefix));
-        Ok(of_prefix.map(|pass| pass.ms).sum())
+        Ok(passes
+            .into_iter()
+            .map(|pass| (pass.label, pass.ms))
+            .collect())
     }
 
-    /// The picture against another.
-    fn image_error(&mut self, case: &Case, truth: &composite::Image) -> Result<Error> {
+    /// The sum of the passes whose label begins so.
+    pub fn pass_time(&mut self, case: &Case, prefix: &str) -> Result<f64> {
+        let passes = self.passes(case)?;
+        let of_prefix = passes.iter().filter(|(label, _)| label.starts_with(prefix));
+        Ok(of_prefix.map(|(_, ms)| ms).sum())
+    }
+
+    /// The picture against another: its colours, and its opacity.
+    fn image_error(&mut self, case: &Case, truth: &composite::Image) -> Result<(Error, Error)> {
         let actual = self.picture(case.shadow, case.transparency)?;
-        let error = colour_error(&actual, truth, None);
-        Ok(Error {
+        let of = |error: ImageError, flip| Error {
             rmse: error.rmse,
             p99: error.p99,
             max: error.max,
-            flip: flip::mean(&actual, truth),
-        })
+            flip,
+        };
+        let colour = colour_error(&actual, truth, None);
+        Ok((
+            of(colour, flip::mean(&actual, truth)),
+            of(alpha_error(&actual, truth, None), None),
+        ))
     }
 
     /// Errors of transmittance and of the picture at the truth's probes. Transmittance is the picture with shadow over
@@ -255,7 +295,7 @@ impl<'a> Bench<'a> {
         let mut transmittance = Vec::new();
         let mut radiance = Vec::new();
         for probe in self.truth.probes(&case.shading)? {
-            let [lit, shadowed] = [&lit, &shadowed].map(|image| image.pixels[probe.pixel]);
+            let [lit, shadowed] = [&lit, &shadowed].map(|image| image.pixels[probe.pixel as usize]);
             let expected = probe.bright.map(|bright| probe.opacity * bright);
             if (0..3).any(|c| (lit[c] - expected[c]).abs() > SAME_COLOUR * expected[c]) {
                 continue;
@@ -287,14 +327,22 @@ pub fn error_of(mut differences: Vec<f64>) -> Error {
     }
 }
 
-fn light(shadow: Shadow) -> Light {
+fn light(scene: &Loaded, shadow: Shadow) -> Light {
     let kind = LightKind::Directional {
-        direction: LIGHT_DIRECTION,
+        direction: scene.light,
         irradiance: Vec3::splat(IRRADIANCE as f32),
     };
     Light {
         kind,
         shadow: Some(shadow),
+    }
+}
+
+/// The hair alone, behind the opaque scene's depth where there is one.
+fn target(image: &Image) -> Target<'_> {
+    Target {
+        depth: image.depth.as_ref(),
+        ..Target::cleared(&image.colour)
     }
 }
 
@@ -308,7 +356,7 @@ fn frame<'a>(
         hairs,
         lights,
         ambient: Vec3::ZERO,
-        view: truth.framing.view,
+        view: truth.scene.framing.view,
         transparency: Some(transparency),
     }
 }

@@ -3,15 +3,20 @@
 //! Writes `docs/report/report.json`, a list of rows, and from it tables (`docs/report/README.md`) and plots (SVG). Rows
 //! that are already there are kept, so that a run that was stopped goes on where it was.
 
+mod choice;
+mod estimate;
 mod flip;
 mod frames;
+mod kept;
 mod ladder;
 mod measure;
 #[path = "../../../tests/shading/reference.rs"]
 mod models;
 mod plots;
+mod published;
 mod row;
 mod samples;
+mod scenes;
 mod tables;
 mod truth;
 
@@ -21,7 +26,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use pelage::shadow::Shadow;
 
 use crate::{Result, root};
-use ladder::{Case, SCENES};
+use ladder::Case;
+use row::Row;
+use scenes::{SCENES, Scene};
 
 /// What is measured.
 #[derive(Debug, Clone, Args)]
@@ -35,6 +42,12 @@ pub struct Options {
     /// One scene only, by its name in the tables.
     #[arg(long, value_name = "NAME")]
     scene: Option<String>,
+    /// One technique only, by its stem.
+    #[arg(long, value_name = "STEM")]
+    technique: Option<String>,
+    /// Say what is missing and about how long it takes, and measure nothing.
+    #[arg(long)]
+    list: bool,
     /// Measure again what is already in report.json.
     #[arg(long)]
     force: bool,
@@ -75,14 +88,15 @@ pub fn run(options: &Options) -> Result<()> {
         .map_err(|error| format!("{} cannot be made: {error}", folder.display()))?;
     let path = folder.join("report.json");
     let mut rows = row::load(&path)?;
-    for scene in scenes(options)? {
-        let cases: Vec<Case> = ladder::cases(options.quick)
-            .into_iter()
-            .filter(|case| options.group.is_none_or(|g| g == case.group))
-            .collect();
-        let missing =
-            |case: &&Case| options.force || !rows.iter().any(|row| row.is_of(case, scene));
-        let missing: Vec<Case> = cases.iter().filter(missing).cloned().collect();
+    let scenes = chosen(options)?;
+    if options.list {
+        let missing = |scene| (scene, missing(scene, options, &rows));
+        print!("{}", estimate::list(scenes.into_iter().map(missing), &rows));
+        return Ok(());
+    }
+    for scene in scenes {
+        let cases = cases(scene, options);
+        let missing = missing(scene, options, &rows);
         println!(
             "{}: {} rows, {} to measure",
             scene.name,
@@ -90,6 +104,13 @@ pub fn run(options: &Options) -> Result<()> {
             missing.len()
         );
         if missing.is_empty() {
+            continue;
+        }
+        if !scene.is_there() {
+            eprintln!(
+                "xtask: {} is left out: its scene file is not there",
+                scene.name
+            );
             continue;
         }
         let progress = ProgressBar::new(missing.len() as u64).with_style(
@@ -146,8 +167,27 @@ fn turns(cases: &[Case]) -> Vec<Shadow> {
     shadows
 }
 
+/// The cases of a scene that the options ask for.
+fn cases(scene: &Scene, options: &Options) -> Vec<Case> {
+    let stem = options.technique.as_deref();
+    let wanted = |case: &Case| {
+        options.group.is_none_or(|group| group == case.group)
+            && stem.is_none_or(|stem| stem == case.technique())
+    };
+    let cases = ladder::cases(scene, options.quick).into_iter();
+    cases.filter(wanted).collect()
+}
+
+/// Those of them that are still to be measured.
+fn missing(scene: &Scene, options: &Options, rows: &[Row]) -> Vec<Case> {
+    let measured = |case: &Case| rows.iter().any(|row| row.is_of(case, scene));
+    let mut missing = cases(scene, options);
+    missing.retain(|case| options.force || !measured(case));
+    missing
+}
+
 /// The scenes that the options ask for.
-fn scenes(options: &Options) -> Result<Vec<&'static ladder::Scene>> {
+fn chosen(options: &Options) -> Result<Vec<&'static Scene>> {
     let scenes: Vec<_> = match &options.scene {
         Some(name) => SCENES.iter().filter(|scene| scene.name == name).collect(),
         None => SCENES

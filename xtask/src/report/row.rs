@@ -1,12 +1,14 @@
 //! A row of `report.json`.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::ladder::{Case, Scene};
+use super::ladder::Case;
+use super::scenes::Scene;
 use crate::Result;
 
 /// One technique with one set of settings on one scene.
@@ -29,6 +31,9 @@ pub struct Row {
     /// For shadows, the error of the picture where points were shaded.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub image_error: Option<Error>,
+    /// For transparency, the error of the opacity.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub alpha_error: Option<Error>,
     /// Time of the frame, for shadows of the light's passes, for samples of the evaluation of all, in milliseconds.
     pub ms: Times,
     /// How many samples were evaluated in that time.
@@ -47,6 +52,12 @@ pub struct Row {
     /// The fewest fragments that the technique's tolerance allows, by the reference.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub fewest: Option<u64>,
+    /// Time of the frame's passes, each submitted alone, in milliseconds.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub passes: BTreeMap<String, f64>,
+    /// How long it took to measure all this, in seconds.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub seconds: Option<f64>,
     /// The device.
     pub adapter: String,
     /// Its driver.
@@ -106,14 +117,19 @@ impl Row {
     }
 }
 
-/// Settings as read from text, so that numbers compare as they are written; without the pool's size in bytes, which
-/// follows from its part.
-fn without_bytes(settings: &Value) -> Value {
+/// Settings as read from text, so that numbers compare as they are written; without the pool's size in bytes and the depth
+/// shift where they follow from a part.
+pub fn without_bytes(settings: &Value) -> Value {
     let mut settings: Value = serde_json::from_str(&settings.to_string()).unwrap_or_default();
     if let Value::Object(map) = &mut settings
         && map.contains_key("pool_part")
     {
         map.shift_remove("pool_bytes");
+    }
+    if let Value::Object(map) = &mut settings
+        && map.contains_key("shift_part")
+    {
+        map.shift_remove("depth_shift");
     }
     settings
 }

@@ -3,9 +3,10 @@
 use pelage::host::offscreen::{Offscreen, OffscreenOptions};
 use pelage::shading::{Evaluator, Precision, Roots, Sample, Shading};
 
-use super::ladder::{Case, Scene};
+use super::ladder::Case;
 use super::measure::{error_of, row, sentence, spread};
 use super::row::Row;
+use super::scenes::Scene;
 use super::truth::Truth;
 use crate::Result;
 

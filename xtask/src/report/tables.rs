@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::plots;
 use super::row::{Error, Row};
+use super::{choice, plots, published};
 use crate::Result;
 
 const HEADING: &str = "# Error, time and memory
@@ -28,7 +28,9 @@ of white.
   passes submitted alone, but at `rate` fragment, where the resolve shades. `chiang` and `marschner` come through tables of the default size, and directly.
 - **Shading**: the nearest fragments' picture against the reference's, without shadows; time of the whole frame. Where a row
   names its `rate`, the reference is shaded at fragments, else at strand points.
+- \"Passes\" are those of geometry, shading, transparency and composite, each submitted alone, in one frame.
 - ꟻLIP is the mean over the whole picture, on mid-grey. Memory is all of the library's on the device: geometry too.
+- `shift_part` 0.5 is a depth shift of half the groom's extent along the view.
 - `pool_part` 0.1 is a fragment pool a tenth of what all fragments need: the rest is merged.
 
 ";
@@ -43,6 +45,18 @@ pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
             .push(row);
     }
     let mut text = HEADING.to_owned();
+    for group in ["transparency", "shadow"] {
+        // Writing to a string does not fail.
+        writeln!(text, "## Which to choose when: {group}\n").ok();
+        text += "Of each scene's rows the fastest and the smallest technique within an error; settings and figures are with the scene.\n\n";
+        text += &choice::of_group(group, rows);
+        text += "\n";
+    }
+    text += "## What the sources say\n\nMemory at 656×861 for as many fragments as Hunz had (2016, §6.3.3); here with the tail that keeps what overflows.\n\n";
+    text += &published::memory()?;
+    text += "\n";
+    text += &published::times(rows);
+    text += "\n";
     for ((scene, group), rows) in tables {
         let row = rows[0];
         let Row {
@@ -53,12 +67,15 @@ pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
             date,
             ..
         } = row;
-        // Writing to a string does not fail.
         writeln!(
             text,
             "## {scene}, {width}×{height}: {group}\n\n{adapter}, {driver}, {date}.\n"
         )
         .ok();
+        if matches!(group, "transparency" | "shadow") {
+            text += &choice::of_scene(&rows);
+            text += "\n";
+        }
         text += &match group {
             "samples" => sample_table(&rows),
             "frames" => frame_table(&rows),
@@ -78,7 +95,7 @@ pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
 fn table(rows: &[&Row], is_shadow: bool) -> String {
     let last = if is_shadow { "picture RMSE" } else { "ꟻLIP" };
     let mut text = format!(
-        "| technique | settings | RMSE | p99 | max | {last} | ms, median (min) | MB | merged |\n|---|---|---|---|---|---|---|---|---|\n"
+        "| technique | settings | RMSE | p99 | max | {last} | α RMSE, max | ms, median (min) | passes, ms | MB | fragments, M: culled, stored | merged |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n"
     );
     for row in rows {
         let Error {
@@ -93,22 +110,60 @@ fn table(rows: &[&Row], is_shadow: bool) -> String {
             flip
         };
         let last = last.map_or("–".into(), |value| format!("{value:.5}"));
+        let alpha = row.alpha_error.map_or("–".into(), |error| {
+            format!("{:.5}, {:.4}", error.rmse, error.max)
+        });
         let merged = row.fragments.map_or("–".into(), |f| match f.merged {
             0 => "0".into(),
             merged => format!("{:.0} %", 100.0 * merged as f64 / f.produced as f64),
         });
         writeln!(
             text,
-            "| `{}` | {} | {rmse:.5} | {p99:.5} | {max:.4} | {last} | {:.1} ({:.1}) | {:.1} | {merged} |",
+            "| `{}` | {} | {rmse:.5} | {p99:.5} | {max:.4} | {last} | {alpha} | {:.1} ({:.1}) | {} | {:.1} | {} | {merged} |",
             row.technique,
             settings(&row.settings),
             row.ms.median,
             row.ms.min,
+            passes(row),
             row.bytes as f64 / 1e6,
+            kept(row),
         )
         .ok();
     }
     text
+}
+
+/// Times by the kind of pass: geometry, shading, transparency, composite.
+fn passes(row: &Row) -> String {
+    if row.passes.is_empty() {
+        return "–".into();
+    }
+    let kinds = ["geometry", "shading", "transparency", "composite"].map(|kind| {
+        let prefix = format!("pelage.{kind}.");
+        let own = row
+            .passes
+            .iter()
+            .filter(|(label, _)| label.starts_with(&prefix));
+        let ms: f64 = own.map(|(_, ms)| ms).sum();
+        format!("{ms:.0}")
+    });
+    kinds.join(" + ")
+}
+
+/// Millions of fragments, and of what is stored how many times the fewest that the tolerance allows.
+fn kept(row: &Row) -> String {
+    let Some(fragments) = row.fragments else {
+        return "–".into();
+    };
+    let [produced, culled, stored] =
+        [fragments.produced, fragments.culled, fragments.stored].map(|count| count as f64 / 1e6);
+    let fewest = row.fewest.map_or(String::new(), |fewest| {
+        format!(
+            ", {:.2} × the fewest",
+            fragments.stored as f64 / fewest.max(1) as f64
+        )
+    });
+    format!("{produced:.1}: {culled:.1}, {stored:.1}{fewest}")
 }
 
 fn sample_table(rows: &[&Row]) -> String {

@@ -3,12 +3,12 @@
 use std::cell::OnceCell;
 use std::f64::consts::PI;
 
+use bytemuck::{Pod, Zeroable};
 use pelage::glam::{DVec3, Vec3};
-use pelage::groom::{self, Curve, Strands};
 use pelage::shading::{Sample, Shading};
 use pelage_reference::composite::{self, Image, point_colours};
 use pelage_reference::fibre::{Direction, FibreModel};
-use pelage_reference::fragments::{Fragment, FragmentLists, fragment_lists};
+use pelage_reference::fragments::{FragmentLists, fragment_lists};
 use pelage_reference::project::curve_tangents;
 use pelage_reference::scene::Camera;
 use pelage_reference::transmittance::{Light, Occluders, Query};
@@ -16,18 +16,18 @@ use pelage_reference::{kajiya_kay, scheuermann};
 
 use rayon::prelude::*;
 
-use super::ladder::Scene;
+use super::kept::{Key, kept};
+use super::ladder::{EPSILONS, picture_shading};
 use super::models;
+use super::scenes::{self, Loaded, Scene};
 use crate::Result;
-use crate::scene_file::framing::{self, Bounds, Framing};
+use crate::scene_file::framing::Framing;
 
-/// The way the light travels: from the upper left, in front.
-pub const LIGHT_DIRECTION: DVec3 = DVec3::new(0.55, -0.7, -0.75);
 /// Irradiance on a plane that faces the light: a white fibre is then as bright as white.
 pub const IRRADIANCE: f64 = PI;
 
-/// Straight pieces of a spline's segment.
-const CURVE_PIECES: u32 = 4;
+/// Rows whose fragments are listed at a time: all of a large frame's would need gigabytes.
+const BAND_ROWS: usize = 128;
 /// How many points' transmittance is compared at most.
 const MOST_PROBES: usize = 6_000;
 /// Rays a point: the footprint's mean then errs by less than 1/16.
@@ -82,25 +82,47 @@ fn scatter(shading: &Shading) -> Result<Scatter> {
 
 /// A scene, and what is known of it.
 pub struct Truth {
-    /// The strands, cut into straight pieces.
-    pub strands: Strands,
-    /// The camera.
-    pub framing: Framing,
-    /// The exact fragments.
-    pub lists: FragmentLists,
+    /// Strands, camera, light and the opaque scene's depth.
+    pub scene: Loaded,
+    name: &'static str,
+    key: Key,
+    pixels: Vec<Pixel>,
     opacity: f64,
     reference: pelage_reference::scene::Strands,
     eye: DVec3,
     tangents: Vec<DVec3>,
     probes: OnceCell<Vec<Probe>>,
-    exact: OnceCell<Image>,
+}
+
+/// What is kept of a pixel that hair covers.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct Pixel {
+    /// Its index, row by row.
+    index: u32,
+    /// How many fragments it has.
+    count: u32,
+    /// The fewest of them that each of [`EPSILONS`] allows.
+    fewest: [u32; EPSILONS.len()],
+    /// Index of the first point of the nearest fragment's segment.
+    segment: u32,
+    padding: u32,
+    /// Where the nearest fragment lies on its segment.
+    t: f64,
+    /// Its coverage.
+    coverage: f64,
+    /// The part of the light from behind that passes all fragments.
+    transmittance: f64,
+    /// The exact composite, shaded by [`picture_shading`].
+    exact: [f64; 3],
 }
 
 /// A pixel whose nearest fragment's transmittance towards the light is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Probe {
     /// The pixel's index.
-    pub pixel: usize,
+    pub pixel: u64,
     /// Brightness of the fragment without shadow, the strand's colour included, per channel.
     pub bright: [f64; 3],
     /// The part of the light that reaches it.
@@ -110,28 +132,10 @@ pub struct Probe {
 }
 
 impl Truth {
-    /// Makes the groom and lists its fragments.
+    /// Loads a scene and composites its fragments, or takes the composite that is kept of a former run.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let mut strands =
-            groom::builtin(scene.groom, scene.strands).map_err(|error| error.to_string())?;
-        if strands.curve() != Curve::Polyline {
-            strands =
-                groom::tessellate(&strands, CURVE_PIECES).map_err(|error| error.to_string())?;
-        }
-        // White, so that errors are parts of white, and no model's own reading of a strand's colour is in them.
-        let white = vec![[1.0; 3]; strands.strand_count()];
-        strands = strands
-            .with_colours(white)
-            .map_err(|error| error.to_string())?;
-        let bounds = Bounds::around(strands.points()).ok_or("the groom has no points")?;
-        let [width, height] = scene.size;
-        let camera = crate::scene_file::scene::Camera {
-            width,
-            height,
-            ..Default::default()
-        };
-        let framing = framing::frame(&camera, bounds, DVec3::Z, bounds)?;
-
+        let loaded = scenes::load(scene)?;
+        let strands = &loaded.strands;
         let reference = pelage_reference::scene::Strands {
             points: strands
                 .points()
@@ -149,38 +153,129 @@ impl Truth {
                 .map(|radius| f64::from(*radius))
                 .collect(),
         };
-        let camera = Camera {
-            clip_from_world: framing.view.clip_from_view * framing.view.view_from_world,
-            eye: framing.eye.extend(1.0),
-            width: width as usize,
-            height: height as usize,
-        };
-        let lists = fragment_lists(&reference, &camera, None);
-        let mut all = Vec::with_capacity(reference.points.len());
+        let mut tangents = Vec::with_capacity(reference.points.len());
         for strand in 0..reference.len() {
             let points = &reference.points[reference.range(strand)];
-            all.extend(
+            tangents.extend(
                 curve_tangents(points)
                     .into_iter()
                     .map(|t| t.unwrap_or(DVec3::Y)),
             );
         }
-        Ok(Self {
-            strands,
-            eye: framing.eye,
-            framing,
-            lists,
-            opacity: f64::from(scene.opacity),
+        let view = loaded.framing.view;
+        let matrices = [view.clip_from_view, view.view_from_world].map(|m| m.to_cols_array());
+        let key = Key::new()?
+            .and(strands.points())
+            .and(strands.offsets())
+            .and(strands.radii())
+            .and(&matrices)
+            .and(&[loaded.framing.width, loaded.framing.height])
+            .and(&[loaded.opacity])
+            .and(&loaded.light.to_array())
+            .and(loaded.host_depth.as_deref().unwrap_or_default())
+            .and(format!("{:?}", picture_shading()).as_bytes());
+        let mut truth = Self {
+            name: scene.name,
+            key,
+            pixels: Vec::new(),
+            opacity: f64::from(loaded.opacity),
+            eye: loaded.framing.eye,
             reference,
-            tangents: all,
+            tangents,
             probes: OnceCell::new(),
-            exact: OnceCell::new(),
-        })
+            scene: loaded,
+        };
+        let colours = truth.colours(&picture_shading())?;
+        truth.pixels = kept(&format!("{}-pixels", scene.name), &truth.key, || {
+            truth.find_pixels(&colours)
+        })?;
+        Ok(truth)
+    }
+
+    fn find_pixels(&self, colours: &[[f64; 3]]) -> Vec<Pixel> {
+        let Framing {
+            view,
+            eye,
+            width,
+            height,
+            ..
+        } = self.scene.framing;
+        let [width, height] = [width as usize, height as usize];
+        let camera = Camera {
+            clip_from_world: view.clip_from_view * view.view_from_world,
+            eye: eye.extend(1.0),
+            width,
+            height,
+        };
+        let mut pixels = Vec::new();
+        for first in (0..height).step_by(BAND_ROWS) {
+            let rows = BAND_ROWS.min(height - first);
+            let places = first * width..(first + rows) * width;
+            let depth = self.scene.host_depth.as_deref();
+            let depth = depth.map(|depth| &depth[places.clone()]);
+            let lists = fragment_lists(&self.reference, &camera.rows(first, rows), depth);
+            pixels.extend(self.pixels_of(&lists, places.start, colours));
+        }
+        pixels
+    }
+
+    /// Of a band of rows that begins at pixel `first`.
+    fn pixels_of(&self, lists: &FragmentLists, first: usize, colours: &[[f64; 3]]) -> Vec<Pixel> {
+        let exact = composite::composite(lists, self.opacity, point_colours(colours));
+        let fewest = EPSILONS
+            .map(|epsilon| composite::fragments_needed(lists, self.opacity, f64::from(epsilon)));
+        let pixel = |at: usize| {
+            let fragments = lists.pixel(at);
+            let nearest = fragments.first()?;
+            let [red, green, blue, _] = exact.pixels[at];
+            Some(Pixel {
+                index: (first + at) as u32,
+                count: fragments.len() as u32,
+                fewest: std::array::from_fn(|number| fewest[number][at] as u32),
+                segment: nearest.segment,
+                padding: 0,
+                t: nearest.t,
+                coverage: nearest.coverage,
+                transmittance: composite::transmittance(fragments, self.opacity),
+                exact: [red, green, blue],
+            })
+        };
+        (0..lists.pixels()).filter_map(pixel).collect()
+    }
+
+    /// The groom's extent along the view.
+    pub fn depth(&self) -> f64 {
+        let framing = &self.scene.framing;
+        let forward = (framing.target - framing.eye).normalize();
+        let depths = self.reference.points.iter().map(|p| p.dot(forward));
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let [near, far] = depths.fold(none, |[low, high], d| [low.min(d), high.max(d)]);
+        far - near
+    }
+
+    /// How many fragments there are.
+    pub fn fragments(&self) -> u64 {
+        self.pixels.iter().map(|pixel| u64::from(pixel.count)).sum()
+    }
+
+    /// A picture of covered pixels' colours and opacities.
+    fn image(&self, mut colour: impl FnMut(&Pixel) -> [f64; 4]) -> Image {
+        let [width, height] = [self.scene.framing.width, self.scene.framing.height];
+        let [width, height] = [width as usize, height as usize];
+        let mut pixels = vec![[0.0; 4]; width * height];
+        for pixel in &self.pixels {
+            pixels[pixel.index as usize] = colour(pixel);
+        }
+        Image {
+            width,
+            height,
+            pixels,
+        }
     }
 
     /// Every strand point, lit, as the shading pass sees it.
     pub fn samples(&self) -> Vec<Sample> {
-        let to_light = -LIGHT_DIRECTION.normalize();
+        let to_light = -self.scene.light.normalize();
         let sample = |(point, tangent): (&DVec3, &DVec3)| {
             let to_eye = (self.eye - *point).normalize();
             let [tangent, to_light, to_eye] =
@@ -214,66 +309,77 @@ impl Truth {
         shading: &Shading,
         wanted: impl Fn(usize) -> bool + Sync,
     ) -> Result<Vec<[f64; 3]>> {
-        let scatter = scatter(shading)?;
+        let (scatter, light) = (scatter(shading)?, self.scene.light);
         let (eye, points, tangents) = (self.eye, &self.reference.points, &self.tangents);
         let radiance = |point: usize| {
             if !wanted(point) {
                 return [0.0; 3];
             }
             let to_eye = eye - points[point];
-            (IRRADIANCE * scatter(tangents[point], -LIGHT_DIRECTION, to_eye)).to_array()
+            (IRRADIANCE * scatter(tangents[point], -light, to_eye)).to_array()
         };
         Ok((0..points.len()).into_par_iter().map(radiance).collect())
     }
 
     /// The picture of each pixel's nearest fragment, its colour interpolated between points or found at its own place.
     pub fn nearest(&self, shading: &Shading, at_fragments: bool) -> Result<Image> {
+        let shown = |pixel: &Pixel, colour: [f64; 3]| {
+            let alpha = 1.0 - pixel.transmittance;
+            let [red, green, blue] = colour.map(|channel| alpha * channel);
+            [red, green, blue, alpha]
+        };
         if at_fragments {
-            let scatter = scatter(shading)?;
+            let (scatter, light) = (scatter(shading)?, self.scene.light);
             let (eye, points, tangents) = (self.eye, &self.reference.points, &self.tangents);
-            let colour = |fragment: &Fragment| {
-                let (first, t) = (fragment.segment as usize, fragment.t);
+            let colour = |pixel: &Pixel| {
+                let (first, t) = (pixel.segment as usize, pixel.t);
                 let place = |values: &[DVec3]| values[first].lerp(values[first + 1], t);
                 let tangent = place(tangents).normalize_or(tangents[first]);
                 let to_eye = eye - place(points);
-                (IRRADIANCE * scatter(tangent, -LIGHT_DIRECTION, to_eye)).to_array()
+                (IRRADIANCE * scatter(tangent, -light, to_eye)).to_array()
             };
-            return Ok(composite::opaque(&self.lists, self.opacity, colour));
+            let colours: Vec<_> = self.pixels.par_iter().map(colour).collect();
+            let mut colours = colours.into_iter();
+            return Ok(self.image(|pixel| shown(pixel, colours.next().unwrap_or_default())));
         }
-        let mut shown = vec![false; self.reference.points.len()];
-        for fragment in (0..self.lists.pixels()).filter_map(|at| self.lists.pixel(at).first()) {
-            let first = fragment.segment as usize;
-            (shown[first], shown[first + 1]) = (true, true);
+        let mut wanted = vec![false; self.reference.points.len()];
+        for pixel in &self.pixels {
+            let first = pixel.segment as usize;
+            (wanted[first], wanted[first + 1]) = (true, true);
         }
-        let colours = self.colours_of(shading, |point| shown[point])?;
-        Ok(composite::opaque(
-            &self.lists,
-            self.opacity,
-            point_colours(&colours),
-        ))
+        let colours = self.colours_of(shading, |point| wanted[point])?;
+        let colour = |pixel: &Pixel| {
+            let ends = [0, 1].map(|end| colours[pixel.segment as usize + end]);
+            std::array::from_fn(|c| ends[0][c] * (1.0 - pixel.t) + ends[1][c] * pixel.t)
+        };
+        Ok(self.image(|pixel| shown(pixel, colour(pixel))))
     }
 
-    /// The picture of all fragments. All cases are shaded alike: the first model is the one that counts.
-    pub fn exact(&self, shading: &Shading) -> Result<&Image> {
-        if self.exact.get().is_none() {
-            let colours = self.colours(shading)?;
-            let image = composite::composite(&self.lists, self.opacity, point_colours(&colours));
-            self.exact.set(image).ok();
-        }
-        self.exact.get().ok_or_else(|| "no picture".into())
+    /// The picture of all fragments, shaded by [`picture_shading`].
+    pub fn exact(&self) -> Image {
+        self.image(|pixel| {
+            let [red, green, blue] = pixel.exact;
+            [red, green, blue, 1.0 - pixel.transmittance]
+        })
     }
 
-    /// The fewest fragments that must be stored for what lies behind them to receive less than `tolerance` of the light.
-    pub fn fewest(&self, tolerance: f64) -> u64 {
-        let needed = composite::fragments_needed(&self.lists, self.opacity, tolerance);
-        needed.iter().map(|count| *count as u64).sum()
+    /// The fewest fragments that must be stored for what lies behind them to receive less than one of [`EPSILONS`] of the
+    /// light.
+    pub fn fewest(&self, epsilon: f32) -> Option<u64> {
+        let number = EPSILONS.iter().position(|known| *known == epsilon)?;
+        let fewest = |pixel: &Pixel| u64::from(pixel.fewest[number]);
+        Some(self.pixels.iter().map(fewest).sum())
     }
 
     /// Transmittances of nearest fragments, evenly picked over the covered pixels. They are means over a disc of half
-    /// a pixel's size around each strand point, interpolated as colours are. As for the model, see [`Truth::exact`].
+    /// a pixel's size around each strand point, interpolated as colours are. All cases are shaded alike: the first model is
+    /// the one that counts.
     pub fn probes(&self, shading: &Shading) -> Result<&[Probe]> {
         if self.probes.get().is_none() {
-            let probes = self.find_probes(&self.colours(shading)?);
+            let colours = self.colours(shading)?;
+            let probes = kept(&format!("{}-probes", self.name), &self.key, || {
+                self.find_probes(&colours)
+            })?;
             self.probes.set(probes).ok();
         }
         self.probes
@@ -283,48 +389,39 @@ impl Truth {
     }
 
     fn find_probes(&self, colours: &[[f64; 3]]) -> Vec<Probe> {
-        let shown = |pixel: &usize| {
-            self.lists.pixel(*pixel).first().is_some_and(|nearest| {
-                self.opacity * nearest.coverage >= LEAST_OPACITY
-                    && colours[nearest.segment as usize][0] >= LEAST_BRIGHTNESS
-            })
+        let shown = |pixel: &&Pixel| {
+            self.opacity * pixel.coverage >= LEAST_OPACITY
+                && colours[pixel.segment as usize][0] >= LEAST_BRIGHTNESS
         };
-        let covered: Vec<usize> = (0..self.lists.pixels()).filter(shown).collect();
+        let covered: Vec<&Pixel> = self.pixels.iter().filter(shown).collect();
         let stride = covered.len().div_ceil(MOST_PROBES).max(1);
-        let picked: Vec<usize> = covered.into_iter().step_by(stride).collect();
+        let picked: Vec<&Pixel> = covered.into_iter().step_by(stride).collect();
 
-        let own = |pixel: usize| self.lists.pixel(pixel)[0].segment as usize;
         let points: Vec<(DVec3, Option<usize>)> = picked
             .iter()
-            .flat_map(|pixel| [own(*pixel), own(*pixel) + 1])
+            .flat_map(|pixel| [pixel.segment as usize, pixel.segment as usize + 1])
             .map(|point| (self.reference.points[point], Some(point)))
             .collect();
         let query = Query {
             light: Light::Directional {
-                towards: -LIGHT_DIRECTION,
+                towards: -self.scene.light,
             },
             alpha: self.opacity,
             footprint: 0.5 * self.pixel_size(),
             samples: RAYS,
         };
         let passed = Occluders::new(&self.reference).transmittances(&points, &query);
-        let probe = |(pixel, ends): (&usize, &[f64])| {
-            let fragments = self.lists.pixel(*pixel);
-            let nearest = &fragments[0];
-            let [start, end] = [
-                colours[nearest.segment as usize],
-                colours[nearest.segment as usize + 1],
-            ];
+        let probe = |(pixel, ends): (&&Pixel, &[f64])| {
+            let [start, end] = [0, 1].map(|end| colours[pixel.segment as usize + end]);
             let mix = |channel: usize, passed: &[f64]| {
-                start[channel] * passed[0] * (1.0 - nearest.t)
-                    + end[channel] * passed[1] * nearest.t
+                start[channel] * passed[0] * (1.0 - pixel.t) + end[channel] * passed[1] * pixel.t
             };
             let bright: [f64; 3] = std::array::from_fn(|channel| mix(channel, &[1.0, 1.0]));
             Probe {
-                pixel: *pixel,
+                pixel: u64::from(pixel.index),
                 bright,
                 transmittance: mix(0, ends) / bright[0],
-                opacity: 1.0 - composite::transmittance(fragments, self.opacity),
+                opacity: 1.0 - pixel.transmittance,
             }
         };
         picked
@@ -336,8 +433,8 @@ impl Truth {
 
     /// A pixel's size in world units at the middle of the groom.
     fn pixel_size(&self) -> f64 {
-        let distance = self.framing.eye.distance(self.framing.target);
-        2.0 * distance * (0.5 * self.framing.vfov_deg.to_radians()).tan()
-            / f64::from(self.framing.height)
+        let framing = &self.scene.framing;
+        let distance = framing.eye.distance(framing.target);
+        2.0 * distance * (0.5 * framing.vfov_deg.to_radians()).tan() / f64::from(framing.height)
     }
 }
