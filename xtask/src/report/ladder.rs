@@ -343,12 +343,26 @@ fn volume_shadows(resolutions: &[u32]) -> Vec<Shadow> {
 /// The cases of a scene, in the order of the tables. `quick` leaves out the slowest.
 pub fn cases(scene: &Scene, quick: bool) -> Vec<Case> {
     let of = |extent| move |case: &Case| scene.extent(case.group) == Some(extent);
+    let large = scene.fragments > SMALL_SCENE;
     let mut cases: Vec<Case> = ladder(quick)
         .into_iter()
         .filter(of(Extent::Ladder))
+        .filter(|case| !(large && is_slow(case)))
         .collect();
     cases.extend(defaults().into_iter().filter(of(Extent::Defaults)));
     cases
+}
+
+/// Millions of fragments of a scene on which even the slowest settings are measured.
+const SMALL_SCENE: f64 = 5.0;
+
+/// Whether a frame takes many seconds on a large scene.
+fn is_slow(case: &Case) -> bool {
+    match case.transparency {
+        Transparency::DepthPeeling(settings) => settings.peels > 8,
+        Transparency::KBufferSinglePass(settings) => settings.k > 16,
+        _ => false,
+    }
 }
 
 /// Every shadow and transparency technique with its default settings.
