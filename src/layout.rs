@@ -54,7 +54,7 @@ pub struct Drawing {
     pub front_base: u32,
     pub layer_base: u32,
     pub layer_count: u32,
-    pub front_shift: u32,
+    pub padding_3: u32,
     pub row_first: u32,
     pub row_end: u32,
     pub chunk_base: u32,
@@ -97,8 +97,8 @@ pub struct ShadowView {
     pub depth_row: [f32; 4],
     pub front_base: u32,
     pub layer_base: u32,
-    pub front_shift: u32,
     pub padding_0: u32,
+    pub padding_1: u32,
     pub values: [f32; 4],
     pub colour: [f32; 4],
 }

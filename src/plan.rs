@@ -124,10 +124,6 @@ pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
     gpu.max_binding() / (FRAGMENT_BYTES - KEY_BYTES)
 }
 
-/// Times the optical depth that cuts a pixel off that there must be on average for the search of the cut-off to pay: where it
-/// was 0.95 on a head of hair it saved 18 % of the fragments, and nothing where it was 0.3.
-const CUT_PAYS: f64 = 0.8;
-
 /// Segments wider than this many pixels in all are shared among invocations: some drivers end loops at 65,535 steps.
 const PIXELS_AN_INVOCATION: f64 = 8192.0;
 
@@ -346,8 +342,10 @@ impl Plan {
             ),
             cuts: match transparency {
                 Transparency::DbkBuffer(settings) => {
-                    settings.depth_shift.is_some()
-                        || seen.mean_depth() >= CUT_PAYS * f64::from(settings.cut_depth())
+                    let segments = runs.iter().map(|run| u64::from(run.run.segments)).sum();
+                    let cut_depth = f64::from(settings.cut_depth());
+                    let pays = seen.culling_pays(cut_depth, segments);
+                    settings.cuts(seen.fragments as u64, pays)
                 }
                 _ => false,
             },
@@ -559,8 +557,10 @@ impl Plan {
                     self.shadow.stem()
                 )));
             }
-            self.shadow = technique;
-            self.shader.shadow = technique.look_up();
+            if !self.shadow.colours() {
+                self.shadow = technique;
+                self.shader.shadow = technique.look_up();
+            }
             let first = self.maps.len();
             if first + cameras.views.len() > MAX_SHADOW_VIEWS {
                 return Err(Error::Unsupported(format!(
@@ -608,8 +608,8 @@ impl Plan {
             depth_row: vector(camera.depth_row),
             front_base: front_base as u32,
             layer_base: layer_base as u32,
-            front_shift: shape.front_shift.unwrap_or(0),
             padding_0: 0,
+            padding_1: 0,
             values: shape.values,
             colour: shape.colour,
         };
@@ -633,7 +633,6 @@ impl Plan {
                 front_base: front_base as u32,
                 layer_base: layer_base as u32,
                 layer_count: shape.layers,
-                front_shift: shape.front_shift.unwrap_or(0),
                 row_end: shape.resolution,
                 map_values: shape.values,
                 map_colour: shape.colour,

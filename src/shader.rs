@@ -50,6 +50,8 @@ files![
     "shading/chiang",
     "shadow/none",
     "shadow/map",
+    "shadow/passed",
+    "shadow/passed_coloured",
     "shadow/own",
     "shadow/front",
     "shadow/map_emit",

@@ -106,6 +106,21 @@ pub fn shadows() -> [Shadow; 7] {
     ]
 }
 
+/// Every look-up: of coloured light, too.
+fn look_ups() -> Vec<Shadow> {
+    let transmitted = glam::Vec3::splat(0.5);
+    let mut shadows = shadows().to_vec();
+    shadows.push(Shadow::DeepOpacityMap(DeepOpacityMap {
+        transmitted,
+        ..DeepOpacityMap::default()
+    }));
+    shadows.push(Shadow::MomentOpacityMap(MomentOpacityMap {
+        transmitted,
+        ..MomentOpacityMap::default()
+    }));
+    shadows
+}
+
 /// A light's first map.
 pub struct LightMap {
     pub clip_from_world: glam::DMat4,
@@ -399,7 +414,7 @@ pub fn combinations() -> Vec<Combination> {
         let module = Module::new(&["common/scan"]).with("SCAN_AGAIN", Constant::Bool(again));
         modules.push((format!("scan, again {again}"), module));
     }
-    for shadow in shadows() {
+    for shadow in look_ups() {
         for shader in shaders() {
             let shader = Shader {
                 shadow: shadow.look_up(),
@@ -408,15 +423,16 @@ pub fn combinations() -> Vec<Combination> {
             };
             // Shadow techniques are the same to all shaders of a model, and so are transparency techniques.
             let usual = shader.settings.is_some() && shader.transmits && !shader.varies;
-            let known = matches!(shadow, Shadow::None | Shadow::DeepOpacityMap(_));
+            let known = shadow == Shadow::None || shadow == Shadow::default();
             if !(usual || known) {
                 continue;
             }
             let name = format!(
-                "{}, {}, shadow {}",
+                "{}, {}, shadow {}, coloured {}",
                 shader.label,
                 detail(&shader),
-                shadow.stem()
+                shadow.stem(),
+                shadow.colours()
             );
             if shader.settings.is_some() {
                 for occluded in [false, true] {
@@ -433,13 +449,17 @@ pub fn combinations() -> Vec<Combination> {
             }
         }
     }
-    for shadow in shadows().iter().filter(|shadow| **shadow != Shadow::None) {
+    for shadow in look_ups().iter().filter(|shadow| **shadow != Shadow::None) {
         modules.push((
-            format!("receive {}", shadow.stem()),
+            format!("receive {}, coloured {}", shadow.stem(), shadow.colours()),
             composite::receive_module(shadow),
         ));
         modules.push((
-            format!("shadow_image {}", shadow.stem()),
+            format!(
+                "shadow_image {}, coloured {}",
+                shadow.stem(),
+                shadow.colours()
+            ),
             shadow.module().and(composite::SHADOW_IMAGE),
         ));
     }
@@ -540,7 +560,7 @@ pub fn layouts() -> Vec<Layout> {
     layouts! {
         Drawing {
             clip_from_relative, relative_from_object, eye, depth_row, viewport, radius_scale, opacity, point_count,
-            point_base, flags, splits, front_base, layer_base, layer_count, front_shift, row_first, row_end,
+            point_base, flags, splits, front_base, layer_base, layer_count, padding_3, row_first, row_end,
             chunk_base, hair, map_values, map_colour, clip_from_object, previous_clip_from_object, jitter_motion,
             fibre_run, fibre_run_number, largest_radius, padding_0, padding_1, padding_2,
         }
@@ -548,7 +568,7 @@ pub fn layouts() -> Vec<Layout> {
             place, power, map_count, map_first, resolution, pcf, layer_count, bias, cos_outer, edge,
             padding_0, axis, padding_1,
         }
-        ShadowView { clip_from_relative, depth_row, front_base, layer_base, front_shift, padding_0, values, colour }
+        ShadowView { clip_from_relative, depth_row, front_base, layer_base, padding_0, padding_1, values, colour }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
             part_capacity, origin, cut_depth, depth_shift, fibre_runs, seed, key_first, key_packing, place_of_depth, technique,

@@ -3,7 +3,7 @@
 use pelage::glam::{DVec3, Vec3};
 use pelage::groom::Strands;
 use pelage::raster::Raster;
-use pelage::transparency::Storage;
+use pelage::transparency::{Opaque, Storage, Transparency};
 use pelage::{Frame, Hair};
 use pelage_reference::composite::Image;
 
@@ -236,7 +236,7 @@ fn check_bends(device: &mut Device, name: &str, points: &[[f32; 3]], radius: f32
     let hairs = [&hair];
     let lights = [unshadowed(DVec3::NEG_Z, Vec3::ONE)];
     let size = [256, 256];
-    let view = pixel_view(size, 10.0);
+    let view = pixel_view(size, 100.0);
     for raster in [Raster::Walk, Raster::Ribbons] {
         let transparency = Some(a_buffer(Storage::Counted, raster));
         let frame = Frame {
@@ -292,4 +292,44 @@ fn a_strand_that_turns_right_back_keeps_its_width() {
     let Some(mut device) = device() else { return };
     let points = bent([13.0, 13.5], (0..6).map(|_| std::f64::consts::PI));
     check_bends(&mut device, "turned back", &points, 0.3);
+}
+
+/// Foreshortened segments turn the bisector on the screen away from the strand's own direction, by which its width is measured.
+#[test]
+fn bends_towards_the_eye_match_the_reference() {
+    let Some(mut device) = device() else { return };
+    let mut points = bent(
+        [10.0, 1.0],
+        (0..36).map(|bend| f64::from(bend).to_radians() * 3.3),
+    );
+    for strand in points.chunks_exact_mut(3) {
+        strand[0][2] = -40.0;
+        strand[2][2] = 40.0;
+    }
+    for radius in [0.5, 3.0] {
+        check_bends(&mut device, "towards the eye", &points, radius);
+    }
+}
+
+/// A view as large as 3840 × 2160 under one fibre: a loop over all of it by the most invocations that share a segment
+/// of a smaller view would take more steps than some devices let it.
+#[test]
+fn a_fibre_that_fills_a_large_view_has_no_holes() {
+    let Some(mut device) = device() else { return };
+    let size = [3840, 2160];
+    let points = vec![[-3000.0, -10.0, 0.0], [3000.0, 10.0, 0.0]];
+    let strands = Strands::new(points, &[2], 4000.0).unwrap();
+    let hair = hair(&mut device, &strands, 1.0);
+    let frame = Frame {
+        hairs: &[&hair],
+        lights: &[unshadowed(DVec3::NEG_Z, Vec3::ONE)],
+        ambient: Vec3::ZERO,
+        view: pixel_view(size, 100.0),
+        transparency: Some(Transparency::Opaque(Opaque {
+            raster: Raster::Walk,
+        })),
+    };
+    let (image, _) = render(&mut device, &frame, size);
+    let holes = image.pixels.iter().filter(|pixel| pixel[3] < 1.0).count();
+    assert_eq!(holes, 0);
 }

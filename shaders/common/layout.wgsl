@@ -25,8 +25,7 @@ struct Drawing {
     front_base: u32,
     layer_base: u32,
     layer_count: u32,
-    // Blocks of 1 << front_shift texels a side share one front.
-    front_shift: u32,
+    padding_3: u32,
     // Rows of the view that this pass treats; pooled pixels are numbered from `row_first`.
     row_first: u32,
     row_end: u32,
@@ -91,8 +90,8 @@ struct ShadowView {
     // As in the map's drawings.
     front_base: u32,
     layer_base: u32,
-    front_shift: u32,
     padding_0: u32,
+    padding_1: u32,
     values: vec4f,
     colour: vec4f,
 }

@@ -4,8 +4,6 @@
 // ends. There its coverage is that of the unbounded band, clipped only at the strand's own ends. Both segments of a
 // joint evaluate the same plane, so that every pixel has exactly one owner.
 //
-// Where the header says DOWNSCALE the image has that many of the projection's pixels a pixel.
-//
 // Where the header says TOUCH_ONLY no coverage is found, only which pixels the fibre touches: enough for a front and for
 // a count. With CENTRE_ONLY it is those whose centres the fibre covers, as the hardware samples a triangle.
 
@@ -57,11 +55,6 @@ struct Fragment {
     point: u32,
 }
 
-// The image that segments are drawn into, in its own pixels.
-fn segment_viewport() -> vec2f {
-    return ceil(drawing.viewport / f32(DOWNSCALE));
-}
-
 fn segment_beyond(word: u32) -> f32 {
     let steps = word & PROJECTED_DISTANCE_MAX;
     return select(f32(steps) / f32(PROJECTED_DISTANCE_MAX), 1e9, steps == PROJECTED_DISTANCE_MAX);
@@ -79,9 +72,8 @@ fn segment(index: u32) -> Segment {
     segment_in_front = (flags & PROJECTED_IN_FRONT) != 0u;
     let p = projected[index];
     let q = projected[index + 1u];
-    let scale = 1.0 / f32(DOWNSCALE);
-    s.start = p.position * scale;
-    s.end = q.position * scale;
+    s.start = p.position;
+    s.end = q.position;
     s.along_start = 0.0;
     s.along_end = 1.0;
     if (flags & PROJECTED_BEHIND) != 0u {
@@ -92,7 +84,7 @@ fn segment(index: u32) -> Segment {
         s.along_end = f32(steps) / f32(PROJECTED_DISTANCE_MAX);
         if (next_flags & PROJECTED_CUT_START) != 0u {
             let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
-            s.end = unpack2x16snorm(projected[index + 1u].bisector) * (range * scale);
+            s.end = unpack2x16snorm(projected[index + 1u].bisector) * range;
         }
     }
     s.start_plane = unpack2x16snorm(projected[index].bisector);
@@ -109,14 +101,14 @@ fn segment(index: u32) -> Segment {
     s.normal = vec2f(s.tangent.y, -s.tangent.x);
     let twice = PROJECTED_CUT_START | PROJECTED_CUT_END;
     let near = select(0.0, 1.0, (drawing.flags & DRAWING_REVERSE_Z) != 0u);
-    s.start_half_width = p.half_width * scale;
+    s.start_half_width = p.half_width;
     s.start_depth = select(p.depth, near, (flags & twice) == twice);
-    s.end_half_width = select(q.half_width, q.depth, (next_flags & twice) == twice) * scale;
+    s.end_half_width = select(q.half_width, q.depth, (next_flags & twice) == twice);
     s.end_depth = select(q.depth, near, (next_flags & twice) == twice);
     s.starts = (flags & (PROJECTED_FIRST | PROJECTED_BREAK | PROJECTED_CUT_START)) != 0u;
     s.ends = (next_flags & (PROJECTED_LAST | PROJECTED_BREAK | PROJECTED_CUT_END)) != 0u;
-    s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts) * scale;
-    s.after = select(segment_beyond(next_flags), 0.0, s.ends) * scale;
+    s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts);
+    s.after = select(segment_beyond(next_flags), 0.0, s.ends);
     s.footprint = footprint(s.normal);
     if CENTRE_ONLY { s.footprint.support = 0.0; }
     // Uniforms are read here once and not at every pixel, where some drivers would read them anew.
@@ -148,7 +140,7 @@ fn segment_corner(s: Segment, vertex: u32) -> vec4f {
     let overhang = segment_overhang(s, plane, select(s.starts, s.ends, at_end), reach) + 0.01;
     let side = select(-reach, reach, (vertex & 1u) == 1u);
     let corner = select(s.start - overhang * s.tangent, s.end + overhang * s.tangent, at_end) + side * s.normal;
-    let ndc = vec2f(2.0, -2.0) * corner / segment_viewport() + vec2f(-1.0, 1.0);
+    let ndc = vec2f(2.0, -2.0) * corner / drawing.viewport + vec2f(-1.0, 1.0);
     return vec4f(ndc, 0.5, 1.0);
 }
 

@@ -44,9 +44,8 @@ fn walk_slices(s: Segment) -> Slices {
     let steep = slices.steep;
     let tangent = select(s.tangent.xy, s.tangent.yx, steep);
     slices.start = select(s.start.xy, s.start.yx, steep);
-    let down = DOWNSCALE;
-    let rows = vec2f(f32(drawing.row_first / down), f32((drawing.row_end + down - 1u) / down));
-    let columns = vec2f(0.0, segment_viewport().x);
+    let rows = vec2f(f32(drawing.row_first), f32(drawing.row_end));
+    let columns = vec2f(0.0, drawing.viewport.x);
     let major_bounds = select(columns, rows, steep);
     slices.minor_bounds = select(rows, columns, steep);
     let major_a = select(a.x, a.y, steep);

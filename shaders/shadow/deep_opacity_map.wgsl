@@ -5,8 +5,7 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let resolution = frame.lights[light].resolution;
     let texel = place.y * resolution + place.x;
     let fronts = frame.shadow_views[map].front_base;
-    let shift = frame.shadow_views[map].front_shift;
-    let front = shadow_front(shadow_maps[fronts + shadow_front_place(place, resolution, shift)]);
+    let front = shadow_front(shadow_maps[fronts + texel]);
     let count = frame.lights[light].layer_count;
     let extent = frame.shadow_views[map].values.x;
     let behind = (depth - front) / extent;

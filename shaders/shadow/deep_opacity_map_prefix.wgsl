@@ -8,8 +8,7 @@ fn deep_opacity_map_prefix(@builtin(global_invocation_id) invocation: vec3u, @bu
     let width = u32(drawing.viewport.x);
     if texel >= width * u32(drawing.viewport.y) { return; }
     // Texels without hair, most of a map, are left as they are.
-    let front = shadow_front_place(vec2u(texel % width, texel / width), width, drawing.front_shift);
-    if layers[drawing.front_base + front] == 0u { return; }
+    if layers[drawing.front_base + texel] == 0u { return; }
     let first = drawing.layer_base + texel * drawing.layer_count;
     var sum = 0u;
     for (var layer = 0u; layer < drawing.layer_count; layer++) {

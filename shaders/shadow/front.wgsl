@@ -1,10 +1,4 @@
-// Fronts of a light's map: the nearest depth of each block of texels.
-
-// Where a texel's front lies among a map's fronts, of which blocks of 1 << shift texels a side share one.
-fn shadow_front_place(texel: vec2u, resolution: u32, shift: u32) -> u32 {
-    let width = (resolution + (1u << shift) - 1u) >> shift;
-    return (texel.y >> shift) * width + (texel.x >> shift);
-}
+// Fronts of a light's map: the nearest depth of each texel.
 
 // The bits of a positive float order like the float; kept as a distance from the largest one, so that a cleared word
 // is the farthest front and the nearest fragment the maximum.

@@ -10,17 +10,11 @@ struct ShadowSample {
     fibres: f32,
 }
 
-// The same of one texel, from its front to a depth along the map's axis.
+// The same of one texel, from its front to a depth along the map's axis. Where a technique sums optical depths
+// `shadow_passed(optical_depth, map)` says what they leave.
 struct ShadowTexel {
     transmittance: vec3f,
     fibres: f32,
-}
-
-// What an optical depth leaves of the light. Where fibres pass a part of each channel on, their optical depth counts by
-// the rest of it.
-fn shadow_passed(optical_depth: f32, map: u32) -> ShadowTexel {
-    if frame.shadow_views[map].colour.w == 0.0 { return ShadowTexel(vec3f(exp(-optical_depth)), optical_depth); }
-    return ShadowTexel(exp(-optical_depth * frame.shadow_views[map].colour.xyz), optical_depth);
 }
 
 // The map of a light that sees a position: the cube's face by the largest component, or the only map.

@@ -15,7 +15,7 @@ var<private> map_layer_count: u32;
 
 fn map_begin() {
     // In the pixels of this stage.
-    map_width = u32(segment_viewport().x);
+    map_width = u32(drawing.viewport.x);
     map_fronts = drawing.front_base;
     map_layers = drawing.layer_base;
     map_layer_count = drawing.layer_count;

@@ -19,13 +19,29 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// Optical depth of a covered pixel on average. A little less than half of the hair's bounds is covered: 22 % to 60 % over
-    /// the built-in grooms and five others.
-    pub fn mean_depth(&self) -> f64 {
+    /// Pixels that hair covers: a little less than half of its bounds, 22 % to 60 % over the built-in grooms and five others.
+    fn covered_px(&self) -> f64 {
         const COVERED: f64 = 0.45;
         let [left, top, right, bottom] = self.bounds;
-        let area = (right - left).max(1.0) * (bottom - top).max(1.0);
-        self.depth / (COVERED * area)
+        COVERED * (right - left).max(1.0) * (bottom - top).max(1.0)
+    }
+
+    /// Whether the DBK-buffer's cut-offs save more time in the resolve, which reads a pixel's list once for every eight fragments
+    /// that it composites, than finding them takes. By what these cost on a driver that runs on two cores: of eight scenes the one where it
+    /// pays, 50,000 strands of opacity 0.9, takes 0.88 of the A-buffer's time, the others 1.12 to 1.40.
+    pub fn culling_pays(&self, cut_depth: f64, segments: u64) -> bool {
+        /// Nanoseconds for a key that the resolve reads; for a segment and for a fragment to be culled or not.
+        const KEY: f64 = 2.0;
+        const SEGMENT: f64 = 130.0;
+        const FRAGMENT: f64 = 10.0;
+        /// Optical depth behind which the resolve stops.
+        const UNSEEN_DEPTH: f64 = 9.2;
+        let pixels = self.covered_px();
+        let (count, depth) = (self.fragments / pixels, self.depth / pixels);
+        let before = |end: f64| count * (end / depth).min(1.0);
+        let (composited, stored) = (before(UNSEEN_DEPTH), before(cut_depth));
+        let keys = (count * composited - stored * stored) / 8.0 * pixels;
+        keys * KEY > segments as f64 * SEGMENT + self.fragments * FRAGMENT
     }
 
     /// Invocations that share one segment, so that none walks too many pixels: loops end after 65,535 steps on some devices.

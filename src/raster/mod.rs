@@ -61,8 +61,6 @@ pub(crate) struct Emission {
     pub touch_only: bool,
     /// A fibre counts where it covers a pixel's centre, not where it touches the pixel. Only with `touch_only`.
     pub centre_only: bool,
-    /// Pixels of the projection a side of one pixel that is drawn.
-    pub downscale: u32,
 }
 
 /// The file by which colours of what overflows are summed as fragments are found, and the one where no colours are known then.
@@ -94,7 +92,6 @@ impl Emission {
             .with("PARTS", Constant::U32(parts))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
             .with("CENTRE_ONLY", Constant::Bool(self.centre_only))
-            .with("DOWNSCALE", Constant::U32(self.downscale))
             .and(&files)
             .and(&[rasteriser])
     }

@@ -61,10 +61,9 @@ pub(super) fn record(
             occlusion_query_set: None,
             multiview_mask: None,
         });
-        let down = |pixels: u32| pixels.div_ceil(emission.downscale);
-        let [width, height] = draw.size.map(down);
+        let [width, height] = draw.size;
         pass.set_viewport(0.0, 0.0, width as f32, height as f32, 0.0, 1.0);
-        pass.set_scissor_rect(0, draw.rows[0], width, down(draw.rows[1]));
+        pass.set_scissor_rect(0, draw.rows[0], width, draw.rows[1]);
         pass.set_pipeline(&pipeline);
         let (index, group) = bound.emission(emission.group);
         pass.set_bind_group(index, group, &[]);

@@ -18,6 +18,7 @@ use super::{Shape, Sight};
 /// The files of the look-up.
 pub(crate) const LOOK_UP: &[&str] = &[
     "shadow/map",
+    "shadow/passed",
     "shadow/front",
     "shadow/nearest",
     "shadow/approximated_deep_shadow_map",
@@ -31,7 +32,6 @@ pub(crate) const DEPTH: Emission = Emission {
     group: Group::MapsWritten,
     touch_only: true,
     centre_only: true,
-    downscale: 1,
 };
 
 /// The optical depth of an opaque fibre.
@@ -100,7 +100,7 @@ impl ApproximatedDeepShadowMap {
         Shape {
             resolution: self.resolution,
             pcf: self.pcf,
-            front_shift: Some(0),
+            fronts: true,
             layers: 0,
             values: [
                 per_unit as f32,

@@ -12,9 +12,17 @@ use crate::shader::Module;
 
 use super::{Shape, Sight};
 
-/// The files of the look-up.
+/// The files of the look-up, and those where fibres colour light.
 pub(crate) const LOOK_UP: &[&str] = &[
     "shadow/map",
+    "shadow/passed",
+    "shadow/front",
+    "shadow/deep_opacity_map_common",
+    "shadow/deep_opacity_map",
+];
+pub(crate) const LOOK_UP_COLOURED: &[&str] = &[
+    "shadow/map",
+    "shadow/passed_coloured",
     "shadow/front",
     "shadow/deep_opacity_map_common",
     "shadow/deep_opacity_map",
@@ -34,7 +42,6 @@ const FRONT: Emission = Emission {
     group: Group::MapsWritten,
     touch_only: true,
     centre_only: false,
-    downscale: 1,
 };
 const LAYERS: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.layers",
@@ -68,7 +75,7 @@ impl Default for DeepOpacityMap {
     fn default() -> Self {
         Self {
             resolution: 512,
-            layers: 8,
+            layers: 16,
             pcf: 1,
             depth: 1.0,
             transmitted: Vec3::ZERO,
@@ -101,7 +108,7 @@ impl DeepOpacityMap {
             resolution: self.resolution,
             pcf: self.pcf,
             // A front for blocks of texels would be faster, at half as much error again.
-            front_shift: Some(0),
+            fronts: true,
             layers: self.layers,
             values: [extent as f32, 0.0, 0.0, 0.0],
             colour: super::summed_colour(self.transmitted),

@@ -50,7 +50,6 @@ const EVENTS: Emission = Emission {
     group: Group::MapsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 
 /// All stages.
@@ -133,7 +132,7 @@ impl KBufferVolume {
         Shape {
             resolution: self.resolution,
             pcf: self.pcf,
-            front_shift: None,
+            fronts: false,
             layers: self.k + TAIL_WORDS + colours,
             values: [sight.extent as f32, self.k as f32, tail, texel as f32],
             colour,

@@ -104,12 +104,23 @@ impl Shadow {
     pub(crate) fn look_up(&self) -> &'static [&'static str] {
         match self {
             Self::None => none::LOOK_UP,
+            Self::DeepOpacityMap(_) if self.colours() => deep_opacity_map::LOOK_UP_COLOURED,
             Self::DeepOpacityMap(_) => deep_opacity_map::LOOK_UP,
             Self::ShadowMap(_) => shadow_map::LOOK_UP,
             Self::ApproximatedDeepShadowMap(_) => approximated_deep_shadow_map::LOOK_UP,
             Self::OpacityShadowMaps(_) => opacity_shadow_maps::LOOK_UP,
+            Self::MomentOpacityMap(_) if self.colours() => moment_opacity_map::LOOK_UP_COLOURED,
             Self::MomentOpacityMap(_) => moment_opacity_map::LOOK_UP,
             Self::KBufferVolume(_) => k_buffer_volume::LOOK_UP,
+        }
+    }
+
+    /// Whether sums of optical depths colour the light: the look-up of a map that does so serves grey ones too.
+    pub(crate) fn colours(&self) -> bool {
+        match self {
+            Self::DeepOpacityMap(settings) => settings.transmitted != Vec3::ZERO,
+            Self::MomentOpacityMap(settings) => settings.transmitted != Vec3::ZERO,
+            _ => false,
         }
     }
 
@@ -120,7 +131,7 @@ impl Shadow {
 
     /// What tells a pipeline with one technique's look-up from another's.
     pub(crate) fn variant(&self) -> u32 {
-        match self {
+        let technique = match self {
             Self::None => 0,
             Self::DeepOpacityMap(_) => 1,
             Self::ShadowMap(_) => 2,
@@ -128,7 +139,8 @@ impl Shadow {
             Self::OpacityShadowMaps(_) => 4,
             Self::MomentOpacityMap(_) => 5,
             Self::KBufferVolume(_) => 6,
-        }
+        };
+        technique << 1 | u32::from(self.colours())
     }
 
     /// Whether the maps' shape depends on how densely the hair fills space, which takes a look at every strand once.
@@ -200,14 +212,14 @@ pub(crate) struct Shape {
     pub resolution: u32,
     /// Width of the filter in texels.
     pub pcf: u32,
-    /// Blocks of 1 << front_shift texels a side share one word, the front; `None`: no fronts.
-    pub front_shift: Option<u32>,
+    /// Whether each texel has a front, the nearest depth.
+    pub fronts: bool,
     /// Words a texel behind the fronts.
     pub layers: u32,
     /// What the technique's files read as `drawing.map_values` and `shadow_views[…].values`.
     pub values: [f32; 4],
     /// What they read as `drawing.map_colour` and `shadow_views[…].colour`. In techniques that sum optical depths: by how
-    /// much these count in each channel, and 1; zeros where light is grey.
+    /// much these count in each channel.
     pub colour: [f32; 4],
     pub bias: f64,
     pub raster: Raster,
@@ -216,9 +228,7 @@ pub(crate) struct Shape {
 impl Shape {
     /// How many fronts there are.
     pub fn fronts(&self) -> u64 {
-        self.front_shift.map_or(0, |shift| {
-            u64::from(self.resolution.div_ceil(1 << shift)).pow(2)
-        })
+        u64::from(self.fronts) * u64::from(self.resolution).pow(2)
     }
 }
 
@@ -248,9 +258,6 @@ fn validate_transmitted(stem: &str, transmitted: Vec3) -> Result<()> {
 /// The colour of a map that sums optical depths. A crossing by a fibre of opacity × coverage o leaves 1 - o (1 - t) of a
 /// channel of which t is passed on; for small o that is (1 - o) to the power of 1 - t, which sums of logarithms can carry.
 fn summed_colour(transmitted: Vec3) -> [f32; 4] {
-    if transmitted == Vec3::ZERO {
-        return [0.0; 4];
-    }
     (Vec3::ONE - transmitted).extend(1.0).into()
 }
 

@@ -34,9 +34,16 @@ use crate::resources::Bound;
 
 use super::{Shape, Sight};
 
-/// The files of the look-up.
+/// The files of the look-up, and those where fibres colour light.
 pub(crate) const LOOK_UP: &[&str] = &[
     "shadow/map",
+    "shadow/passed",
+    "shadow/moment_opacity_map_common",
+    "shadow/moment_opacity_map",
+];
+pub(crate) const LOOK_UP_COLOURED: &[&str] = &[
+    "shadow/map",
+    "shadow/passed_coloured",
     "shadow/moment_opacity_map_common",
     "shadow/moment_opacity_map",
 ];
@@ -53,7 +60,6 @@ const MOMENTS: Emission = Emission {
     group: Group::MapsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 
 /// All stages.
@@ -99,7 +105,7 @@ impl MomentOpacityMap {
         Shape {
             resolution: self.resolution,
             pcf: self.pcf,
-            front_shift: None,
+            fronts: false,
             // The sum before them, and the carries after them.
             layers: self.moments + 2,
             values: [sight.extent as f32, 0.0, 0.0, 0.0],

@@ -16,6 +16,7 @@ use super::{Shape, Sight};
 /// The files of the look-up.
 pub(crate) const LOOK_UP: &[&str] = &[
     "shadow/map",
+    "shadow/passed",
     "shadow/opacity_shadow_maps_common",
     "shadow/opacity_shadow_maps",
 ];
@@ -35,7 +36,6 @@ pub(crate) const SLABS: Emission = Emission {
     group: Group::MapsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 
 /// Settings of opacity shadow maps.
@@ -57,8 +57,8 @@ pub struct OpacityShadowMaps {
 impl Default for OpacityShadowMaps {
     fn default() -> Self {
         Self {
-            resolution: 512,
-            layers: 64,
+            resolution: 256,
+            layers: 256,
             unevenness: 0.0,
             pcf: 3,
             raster: Raster::Auto,
@@ -88,7 +88,7 @@ impl OpacityShadowMaps {
         Shape {
             resolution: self.resolution,
             pcf: self.pcf,
-            front_shift: None,
+            fronts: false,
             layers: self.layers,
             values: [sight.extent as f32, self.unevenness, 0.0, 0.0],
             colour: [0.0; 4],

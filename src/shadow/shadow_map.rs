@@ -31,7 +31,6 @@ pub(crate) const DEPTH: Emission = Emission {
     group: Group::MapsWritten,
     touch_only: true,
     centre_only: true,
-    downscale: 1,
 };
 
 /// What exp(-Ω) of a full shadow is taken to be: Ω as an opaque fibre's.
@@ -79,7 +78,7 @@ impl ShadowMap {
         Shape {
             resolution: self.resolution,
             pcf: self.pcf,
-            front_shift: Some(0),
+            fronts: true,
             layers: 0,
             values: [
                 passes,

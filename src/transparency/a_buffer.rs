@@ -26,7 +26,6 @@ const COUNT: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: true,
     centre_only: false,
-    downscale: 1,
 };
 const RANGE: Emission = Emission {
     label: "pelage.transparency.a_buffer.overflow_range",

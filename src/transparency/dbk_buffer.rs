@@ -39,7 +39,6 @@ const BINS: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 const STORE: Store = Store {
     range: Emission {
@@ -122,9 +121,23 @@ const BIN_WORDS: u64 = 8;
 const STEPS: u64 = 64;
 const BEYOND_WORDS: u64 = 3;
 
+/// When the DBK-buffer looks for cut-offs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum Culling {
+    /// Where an estimate says that it saves more time than it takes, or that `pool_bytes` hold fewer fragments than there
+    /// are. Elsewhere all are stored, and the error is the A-buffer's.
+    #[default]
+    Auto,
+    /// In every frame: the fewest fragments are stored.
+    Always,
+}
+
 /// Settings of the DBK-buffer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DbkBuffer {
+    /// When cut-offs are looked for; by a depth shift they always are.
+    pub culling: Culling,
     /// How much of a pixel's alpha, and of its culled hair's radiance, may be left out: from 1e-6 to 0.5.
     pub epsilon: f32,
     /// Hunz's own form: what lies farther than this behind the nearest fragment, in host units along the ray, is drawn as
@@ -139,6 +152,7 @@ pub struct DbkBuffer {
 impl Default for DbkBuffer {
     fn default() -> Self {
         Self {
+            culling: Culling::Auto,
             epsilon: 1.0 / 256.0,
             depth_shift: None,
             raster: Raster::Auto,
@@ -166,6 +180,17 @@ impl DbkBuffer {
     /// The optical depth at which a pixel is cut off: a little more than -ln ε, for the rounding of stored opacities.
     pub(crate) fn cut_depth(&self) -> f32 {
         -self.epsilon.ln() * 1.001
+    }
+
+    /// Whether this frame's cut-offs are looked for, with so many fragments expected and where they would save time.
+    pub(crate) fn cuts(&self, fragments: u64, pays: bool) -> bool {
+        let held = self
+            .pool_bytes
+            .map(|bytes| bytes / a_buffer::FRAGMENT_BYTES);
+        self.depth_shift.is_some()
+            || self.culling == Culling::Always
+            || pays
+            || held.is_some_and(|held| held < fragments)
     }
 
     pub(crate) fn needs(&self, pixels: u64) -> Needs {

@@ -26,7 +26,6 @@ const FIRST_KEY: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 const KEY: Emission = Emission {
     label: "pelage.transparency.depth_peeling.key",

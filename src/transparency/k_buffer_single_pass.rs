@@ -26,7 +26,6 @@ const INSERT: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 
 /// The most failures that can be asked for.

@@ -24,7 +24,6 @@ const INSERT_64: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 const INSERT_32: Emission = Emission {
     label: "pelage.transparency.k_plus_buffer.insert_32",

@@ -14,7 +14,7 @@ pub mod sorted_blending;
 pub mod weighted_blended;
 
 pub use a_buffer::{ABuffer, Storage};
-pub use dbk_buffer::DbkBuffer;
+pub use dbk_buffer::{Culling, DbkBuffer};
 pub use depth_peeling::DepthPeeling;
 pub use k_buffer::{KBuffer, Rest, Selection};
 pub use k_buffer_single_pass::KBufferSinglePass;

@@ -27,7 +27,6 @@ const RANGE: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 const MOMENTS: Emission = Emission {
     label: "pelage.transparency.moment.moments",

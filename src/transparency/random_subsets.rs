@@ -24,7 +24,6 @@ const NEAREST: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 const WINNER: Emission = Emission {
     label: "pelage.transparency.random_subsets.winner",

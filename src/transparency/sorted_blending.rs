@@ -192,7 +192,6 @@ pub(crate) fn sort_module() -> Module {
     ])
     .with("TOUCH_ONLY", Constant::Bool(true))
     .with("CENTRE_ONLY", Constant::Bool(false))
-    .with("DOWNSCALE", Constant::U32(1))
 }
 
 /// Sorts all segments.
@@ -253,7 +252,6 @@ pub(crate) fn draw_module() -> Module {
     ])
     .with("TOUCH_ONLY", Constant::Bool(false))
     .with("CENTRE_ONLY", Constant::Bool(false))
-    .with("DOWNSCALE", Constant::U32(1))
 }
 
 /// Each over, or under, what is there; premultiplied.

@@ -21,7 +21,6 @@ const SUM: Emission = Emission {
     group: Group::PixelsWritten,
     touch_only: false,
     centre_only: false,
-    downscale: 1,
 };
 
 /// All stages.

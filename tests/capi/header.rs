@@ -377,7 +377,9 @@ fn initialisers() -> String {
         epsilon,
         depth_shift,
         raster,
-        pool_bytes
+        pool_bytes,
+        culling,
+        reserved
     );
     initialiser!(
         PelageView,

@@ -6,7 +6,7 @@ use pelage::shading::{
     Chiang, DualScattering, KajiyaKay, Marschner, Precision, Roots, Sadeghi, Scheuermann, Shading,
     ShadingRate, Tables,
 };
-use pelage::transparency::{ABuffer, DbkBuffer, Opaque, Storage, Transparency};
+use pelage::transparency::{ABuffer, Culling, DbkBuffer, Opaque, Storage, Transparency};
 use pelage::{Frame, Hair, Light, LightKind};
 use pelage_reference::composite::{self, Image};
 use pelage_reference::error::{alpha_error, colour_error};
@@ -191,7 +191,10 @@ fn every_storage_rasteriser_and_technique_shades_fragments() {
         (at_fragments(&frame), nearest)
     };
     let opaque = Transparency::Opaque(Opaque::default());
-    let culled = Transparency::DbkBuffer(DbkBuffer::default());
+    let culled = Transparency::DbkBuffer(DbkBuffer {
+        culling: Culling::Always,
+        ..DbkBuffer::default()
+    });
     let techniques = A_BUFFERS
         .map(|(name, storage, raster)| (name, a_buffer(storage, raster), &expected, EXACT))
         .into_iter()

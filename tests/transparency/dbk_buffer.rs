@@ -3,7 +3,7 @@
 use pelage::glam::{DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, Strands, builtin};
 use pelage::raster::Raster;
-use pelage::transparency::{ABuffer, DbkBuffer, Transparency};
+use pelage::transparency::{ABuffer, Culling, DbkBuffer, Transparency};
 use pelage::{Frame, Hair, Light, Target, wgpu};
 use pelage_reference::composite::{self, Image};
 use proptest::prelude::*;
@@ -24,6 +24,7 @@ fn light() -> Light {
 
 fn bounded(epsilon: f32, raster: Raster) -> Transparency {
     Transparency::DbkBuffer(DbkBuffer {
+        culling: Culling::Always,
         epsilon,
         raster,
         ..DbkBuffer::default()
@@ -202,7 +203,8 @@ fn a_small_pool_merges_what_it_cannot_hold() {
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.opacity = 0.9;
     let (hairs, lights) = ([&hair], [light()]);
-    let whole = frame(&hairs, &lights, Transparency::default());
+    let whole = bounded(DbkBuffer::default().epsilon, Raster::Auto);
+    let whole = frame(&hairs, &lights, whole);
     let (expected, statistics) = render(&mut device, &whole, SIZE);
     for part in [0.01, 0.1, 0.5] {
         let bytes = (statistics.fragments.stored as f64 * part) as u64 * 12;

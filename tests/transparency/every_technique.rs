@@ -6,8 +6,9 @@ use pelage::host::offscreen::WantedOutputs;
 use pelage::raster::Raster;
 use pelage::shading::ShadingRate;
 use pelage::transparency::{
-    Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer, Moment,
-    Opaque, RandomSubsets, Rest, SortedBlending, Storage, Transparency, Weight, WeightedBlended,
+    Atomics, BlendOrder, Culling, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
+    Moment, Opaque, RandomSubsets, Rest, SortedBlending, Storage, Transparency, Weight,
+    WeightedBlended,
 };
 use pelage::{Error, Frame, Hair, Instance, Light, NO_STRAND, Target, View};
 use pelage_reference::composite::Image;
@@ -47,6 +48,7 @@ pub fn cases() -> Vec<Case> {
         add("counted", a_buffer(Storage::Counted, raster), true, true);
         add("lists", a_buffer(Storage::Lists, raster), true, true);
         let settings = DbkBuffer {
+            culling: Culling::Always,
             raster,
             ..Default::default()
         };

@@ -4,7 +4,7 @@ use pelage::glam::{DVec3, Vec3};
 use pelage::groom::Strands;
 use pelage::host::offscreen::Offscreen;
 use pelage::raster::Raster;
-use pelage::transparency::{DbkBuffer, KPlusBuffer, Storage, Transparency};
+use pelage::transparency::{Culling, DbkBuffer, KPlusBuffer, Storage, Transparency};
 use pelage::{Error, Frame, Hair, Target, wgpu};
 
 use crate::common::device;
@@ -48,7 +48,10 @@ fn four_thousand_pixels_a_row_are_drawn_within_bindings_of_128_mib() {
     let mut expected = None;
     // Counted arrays behind a cut-off, linked lists, and eight words a pixel, which take more than one binding.
     for technique in [
-        Transparency::DbkBuffer(DbkBuffer::default()),
+        Transparency::DbkBuffer(DbkBuffer {
+            culling: Culling::Always,
+            ..DbkBuffer::default()
+        }),
         a_buffer(Storage::Lists, Raster::Walk),
         Transparency::KPlusBuffer(KPlusBuffer::default()),
     ] {

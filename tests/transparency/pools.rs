@@ -4,7 +4,9 @@
 use pelage::raster::Raster;
 use pelage::testing;
 use pelage::transparency::a_buffer::{FRAGMENT_BYTES, NODE_BYTES};
-use pelage::transparency::{ABuffer, DbkBuffer, KBuffer, KBufferSinglePass, Storage, Transparency};
+use pelage::transparency::{
+    ABuffer, Culling, DbkBuffer, KBuffer, KBufferSinglePass, Storage, Transparency,
+};
 use pelage_reference::error::{alpha_error, colour_error};
 
 use super::kept::{Scene, assert_sums};
@@ -105,6 +107,7 @@ fn pooled() -> Vec<Pooled> {
         name: "dbk_buffer",
         with_pool: |pool_bytes| {
             Transparency::DbkBuffer(DbkBuffer {
+                culling: Culling::Always,
                 pool_bytes,
                 ..DbkBuffer::default()
             })

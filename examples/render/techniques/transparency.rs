@@ -1,9 +1,9 @@
 //! The transparency technique of a scene file.
 
 use pelage::transparency::{
-    ABuffer, Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
-    Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, Weight,
-    WeightedBlended,
+    ABuffer, Atomics, BlendOrder, Culling, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass,
+    KPlusBuffer, Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage,
+    Transparency, Weight, WeightedBlended,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -397,9 +397,18 @@ impl SortedBlendingKeys {
     }
 }
 
+/// The DBK-buffer's `culling`, as the scene file spells it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum CullingKey {
+    Auto,
+    Always,
+}
+
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct DbkBufferKeys {
+    culling: CullingKey,
     epsilon: f32,
     depth_shift: Option<f32>,
     raster: RasterKey,
@@ -414,7 +423,12 @@ impl Default for DbkBufferKeys {
 
 impl DbkBufferKeys {
     fn of(settings: &DbkBuffer) -> Self {
+        let culling = match settings.culling {
+            Culling::Always => CullingKey::Always,
+            _ => CullingKey::Auto,
+        };
         Self {
+            culling,
             epsilon: settings.epsilon,
             depth_shift: settings.depth_shift,
             raster: RasterKey::of(settings.raster),
@@ -501,6 +515,10 @@ pub fn transparency(map: &Map<String, Value>) -> Result<Transparency> {
         "dbk_buffer" => {
             let keys: DbkBufferKeys = TRANSPARENCY.settings(stem, map)?;
             Ok(Transparency::DbkBuffer(DbkBuffer {
+                culling: match keys.culling {
+                    CullingKey::Auto => Culling::Auto,
+                    CullingKey::Always => Culling::Always,
+                },
                 epsilon: keys.epsilon,
                 depth_shift: keys.depth_shift,
                 raster: keys.raster.raster(),

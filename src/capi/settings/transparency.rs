@@ -7,9 +7,9 @@ use crate::capi::descriptor::{self, descriptor};
 use crate::capi::input::reserved;
 use crate::error::{Result, invalid};
 use crate::transparency::{
-    ABuffer, Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
-    Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, Weight,
-    WeightedBlended,
+    ABuffer, Atomics, BlendOrder, Culling, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass,
+    KPlusBuffer, Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage,
+    Transparency, Weight, WeightedBlended,
 };
 
 /// The nearest fragment's colour at the pixel's whole opacity.
@@ -39,6 +39,11 @@ pub const PELAGE_TRANSPARENCY_MOMENT: u32 = 9;
 pub const PELAGE_STORAGE_COUNTED: u32 = 0;
 /// Per-pixel linked lists.
 pub const PELAGE_STORAGE_LISTS: u32 = 1;
+
+/// Cut-offs are looked for where that saves time, or where `pool_bytes` do not hold all fragments.
+pub const PELAGE_CULLING_AUTO: u32 = 0;
+/// They are looked for in every frame: the fewest fragments are stored.
+pub const PELAGE_CULLING_ALWAYS: u32 = 1;
 
 /// Every fragment weighs the same.
 pub const PELAGE_WEIGHT_UNIFORM: u32 = 0;
@@ -138,6 +143,10 @@ pub struct PelageDbkBuffer {
     pub raster: u32,
     /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
     pub pool_bytes: u64,
+    /// `PELAGE_CULLING_…`; by a depth shift cut-offs are always looked for.
+    pub culling: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 impl Default for PelageDbkBuffer {
@@ -148,11 +157,13 @@ impl Default for PelageDbkBuffer {
             depth_shift: 0.0,
             raster: PELAGE_RASTER_AUTO,
             pool_bytes: 0,
+            culling: PELAGE_CULLING_AUTO,
+            reserved: 0,
         }
     }
 }
 
-descriptor!(PelageDbkBuffer, "PELAGE_DBK_BUFFER_INIT", pool_bytes: u64);
+descriptor!(PelageDbkBuffer, "PELAGE_DBK_BUFFER_INIT", reserved: u32);
 
 /// Settings of weighted blended transparency. 28 bytes a pixel.
 #[repr(C)]
@@ -473,7 +484,15 @@ pub(in crate::capi) unsafe fn transparency(
         PELAGE_TRANSPARENCY_DBK_BUFFER => {
             // SAFETY: the rule of the module `capi`.
             let given = unsafe { settings("dbk_buffer", given.dbk_buffer) }?;
+            reserved("PelageDbkBuffer", given.reserved)?;
             Transparency::DbkBuffer(DbkBuffer {
+                culling: match given.culling {
+                    PELAGE_CULLING_AUTO => Culling::Auto,
+                    PELAGE_CULLING_ALWAYS => Culling::Always,
+                    unknown => {
+                        return invalid!("culling {unknown} is not one of PELAGE_CULLING_…");
+                    }
+                },
                 epsilon: given.epsilon,
                 depth_shift: (given.depth_shift != 0.0).then_some(given.depth_shift),
                 raster: raster(given.raster)?,

@@ -13,9 +13,9 @@ use pelage::shadow::{
     Shadow, ShadowMap,
 };
 use pelage::transparency::{
-    ABuffer, Atomics, BlendOrder, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass, KPlusBuffer,
-    Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage, Transparency, Weight,
-    WeightedBlended,
+    ABuffer, Atomics, BlendOrder, Culling, DbkBuffer, DepthPeeling, KBuffer, KBufferSinglePass,
+    KPlusBuffer, Moment, Opaque, RandomSubsets, Rest, Selection, SortedBlending, Storage,
+    Transparency, Weight, WeightedBlended,
 };
 use serde_json::Value;
 
@@ -423,6 +423,10 @@ fn default_techniques() -> impl Iterator<Item = Transparency> {
         Transparency::KBuffer(KBuffer::default()),
         Transparency::ABuffer(ABuffer::default()),
         Transparency::DbkBuffer(DbkBuffer::default()),
+        Transparency::DbkBuffer(DbkBuffer {
+            culling: Culling::Always,
+            ..DbkBuffer::default()
+        }),
     ]
     .into_iter()
 }
@@ -543,9 +547,14 @@ fn ladder(quick: bool) -> Vec<Case> {
             ..base.clone()
         });
     }
+    cases.push(Case {
+        transparency: Transparency::DbkBuffer(DbkBuffer::default()),
+        ..base.clone()
+    });
     for epsilon in EPSILONS {
         cases.push(Case {
             transparency: Transparency::DbkBuffer(DbkBuffer {
+                culling: Culling::Always,
                 epsilon,
                 ..DbkBuffer::default()
             }),
