@@ -330,6 +330,10 @@ fn a_fibre_that_fills_a_large_view_has_no_holes() {
         })),
     };
     let (image, _) = render(&mut device, &frame, size);
-    let holes = image.pixels.iter().filter(|pixel| pixel[3] < 1.0).count();
-    assert_eq!(holes, 0);
+    let least = image
+        .pixels
+        .iter()
+        .fold(1.0, |least: f64, pixel| least.min(pixel[3]));
+    // An opaque fragment's optical depth ends at 11.
+    assert!(least > 0.999, "{least}");
 }

@@ -44,7 +44,9 @@ fn techniques(resolution: u32, raster: Raster) -> Vec<Shadow> {
                     ..settings
                 })
             }
+            // So that a cube's maps fit one binding.
             Shadow::OpacityShadowMaps(settings) => Shadow::OpacityShadowMaps(OpacityShadowMaps {
+                layers: 64,
                 resolution,
                 raster,
                 ..settings

@@ -96,6 +96,7 @@ fn the_error_falls_with_the_number_of_planes() {
     let mut expected = None;
     let errors = planes.map(|layers| {
         let settings = OpacityShadowMaps {
+            resolution: 512,
             layers,
             ..Default::default()
         };
