@@ -34,7 +34,8 @@ fn a_point_s_own_fibre_stands_for_it_where_it_crosses_the_texel() {
 
 #[test]
 fn an_approximated_deep_shadow_map_counts_the_nearest_fibre_and_one_every_spacing() {
-    let occluders = [occluder(1.0, 0.2, false)];
+    // One that misses the centre is not known of.
+    let occluders = [occluder(0.5, 0.2, false), occluder(1.0, 0.2, true)];
     let passed = |depth| approximated_deep_shadow_map(&occluders, depth, 0.5, 0.25);
     assert_eq!(passed(1.0), 1.0);
     assert!((passed(1.0 + 1e-9) - 0.5).abs() < 1e-6);
