@@ -16,7 +16,7 @@ use super::Group;
 use super::ladder::Case;
 use super::row::{Error, Fragments, Row, Times};
 use super::scenes::{Loaded, Scene};
-use super::truth::{IRRADIANCE, Truth};
+use super::truth::{self, IRRADIANCE, Truth};
 use super::{flip, samples};
 use crate::Result;
 
@@ -320,7 +320,42 @@ impl<'a> Bench<'a> {
             bias: Some(transmittance.iter().sum::<f64>() / compared as f64),
             ..error_of(transmittance.iter().map(|t| t.abs()).collect())
         };
-        Ok((error, error_of(radiance)))
+        let image_error = Error {
+            flip: self.crop_flip(case, &lit, &shadowed)?,
+            ..error_of(radiance)
+        };
+        Ok((error, image_error))
+    }
+
+    /// Mean ꟻLIP over a square in the middle of the hair. Where the nearest strand is another than the reference's, or nothing is
+    /// known, both pictures are alike.
+    fn crop_flip(
+        &self,
+        case: &Case,
+        lit: &composite::Image,
+        shadowed: &composite::Image,
+    ) -> Result<Option<f64>> {
+        let [left, top] = self.truth.crop_corner();
+        let blank = composite::Image {
+            width: truth::CROP,
+            height: truth::CROP,
+            pixels: vec![[0.0; 4]; truth::CROP * truth::CROP],
+        };
+        let (mut actual, mut expected) = (blank.clone(), blank);
+        for probe in self.truth.crop(&case.shading)? {
+            let pixel = probe.pixel as usize;
+            let bright = probe.bright.map(|bright| probe.opacity * bright);
+            let same =
+                |c: usize| (lit.pixels[pixel][c] - bright[c]).abs() <= SAME_COLOUR * bright[c];
+            if !(0..3).all(same) {
+                continue;
+            }
+            let (x, y) = (pixel % lit.width - left, pixel / lit.width - top);
+            let [red, green, blue] = bright.map(|bright| bright * probe.transmittance);
+            actual.pixels[y * truth::CROP + x] = shadowed.pixels[pixel];
+            expected.pixels[y * truth::CROP + x] = [red, green, blue, probe.opacity];
+        }
+        Ok(flip::mean(&actual, &expected))
     }
 }
 

@@ -95,11 +95,11 @@ pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
 
 fn table(rows: &[&Row], is_shadow: bool) -> String {
     let last = if is_shadow {
-        "bias | picture RMSE"
+        "bias | picture RMSE | ꟻLIP"
     } else {
         "ꟻLIP"
     };
-    let rule = if is_shadow { "|---" } else { "" };
+    let rule = if is_shadow { "|---|---" } else { "" };
     let mut text = format!(
         "| technique | settings | RMSE | p99 | max | {last} | α RMSE, max | ms, median (min) | passes, ms | MB | fragments, M: culled, stored | merged |\n|---|---|---|---|---|---|---|---|---|---|---|---{rule}|\n"
     );
@@ -115,8 +115,9 @@ fn table(rows: &[&Row], is_shadow: bool) -> String {
         let last = if is_shadow {
             let bias = bias.map_or("–".into(), |bias| format!("{bias:+.4}"));
             format!(
-                "{bias} | {}",
-                number(row.image_error.map(|error| error.rmse))
+                "{bias} | {} | {}",
+                number(row.image_error.map(|error| error.rmse)),
+                number(row.image_error.and_then(|error| error.flip))
             )
         } else {
             number(flip)

@@ -30,6 +30,8 @@ pub const IRRADIANCE: f64 = PI;
 const BAND_ROWS: usize = 128;
 /// How many points' transmittance is compared at most.
 const MOST_PROBES: usize = 6_000;
+/// Pixels a side of the square whose picture is compared as a picture.
+pub const CROP: usize = 64;
 /// Rays a point: the footprint's mean then errs by less than 1/16.
 const RAYS: usize = 64;
 /// Points of fibres that show less than this are not compared: their colour has too few digits.
@@ -92,6 +94,7 @@ pub struct Truth {
     eye: DVec3,
     tangents: Vec<DVec3>,
     probes: OnceCell<Vec<Probe>>,
+    crop: OnceCell<Vec<Probe>>,
 }
 
 /// What is kept of a pixel that hair covers.
@@ -183,6 +186,7 @@ impl Truth {
             reference,
             tangents,
             probes: OnceCell::new(),
+            crop: OnceCell::new(),
             scene: loaded,
         };
         let colours = truth.colours(&picture_shading())?;
@@ -375,28 +379,61 @@ impl Truth {
     /// a pixel's size around each strand point, interpolated as colours are. All cases are shaded alike: the first model is
     /// the one that counts.
     pub fn probes(&self, shading: &Shading) -> Result<&[Probe]> {
-        if self.probes.get().is_none() {
+        self.kept_probes(&self.probes, "probes", shading, |covered| {
+            let stride = covered.len().div_ceil(MOST_PROBES).max(1);
+            covered.into_iter().step_by(stride).collect()
+        })
+    }
+
+    /// The same of every pixel of a square in the middle of the hair, whose corner is [`Self::crop_corner`].
+    pub fn crop(&self, shading: &Shading) -> Result<&[Probe]> {
+        let [left, top] = self.crop_corner();
+        let width = self.width();
+        self.kept_probes(&self.crop, "crop", shading, |covered| {
+            let within = |pixel: &&Pixel| {
+                let (x, y) = (pixel.index as usize % width, pixel.index as usize / width);
+                (left..left + CROP).contains(&x) && (top..top + CROP).contains(&y)
+            };
+            covered.into_iter().filter(within).collect()
+        })
+    }
+
+    /// The square's first column and row: around the covered pixel that comes halfway through the image.
+    pub fn crop_corner(&self) -> [usize; 2] {
+        let width = self.width();
+        let middle = self.pixels[self.pixels.len() / 2].index as usize;
+        [middle % width, middle / width].map(|at| at.saturating_sub(CROP / 2))
+    }
+
+    fn width(&self) -> usize {
+        self.scene.framing.width as usize
+    }
+
+    fn kept_probes<'a>(
+        &'a self,
+        cell: &'a OnceCell<Vec<Probe>>,
+        name: &str,
+        shading: &Shading,
+        pick: impl FnOnce(Vec<&'a Pixel>) -> Vec<&'a Pixel>,
+    ) -> Result<&'a [Probe]> {
+        if cell.get().is_none() {
             let colours = self.colours(shading)?;
-            let probes = kept(&format!("{}-probes", self.name), &self.key, || {
-                self.find_probes(&colours)
+            let shown = |pixel: &&Pixel| {
+                self.opacity * pixel.coverage >= LEAST_OPACITY
+                    && colours[pixel.segment as usize][0] >= LEAST_BRIGHTNESS
+            };
+            let probes = kept(&format!("{}-{name}", self.name), &self.key, || {
+                let picked = pick(self.pixels.iter().filter(shown).collect());
+                self.find_probes(&picked, &colours)
             })?;
-            self.probes.set(probes).ok();
+            cell.set(probes).ok();
         }
-        self.probes
-            .get()
+        cell.get()
             .map(Vec::as_slice)
             .ok_or_else(|| "no probes".into())
     }
 
-    fn find_probes(&self, colours: &[[f64; 3]]) -> Vec<Probe> {
-        let shown = |pixel: &&Pixel| {
-            self.opacity * pixel.coverage >= LEAST_OPACITY
-                && colours[pixel.segment as usize][0] >= LEAST_BRIGHTNESS
-        };
-        let covered: Vec<&Pixel> = self.pixels.iter().filter(shown).collect();
-        let stride = covered.len().div_ceil(MOST_PROBES).max(1);
-        let picked: Vec<&Pixel> = covered.into_iter().step_by(stride).collect();
-
+    fn find_probes(&self, picked: &[&Pixel], colours: &[[f64; 3]]) -> Vec<Probe> {
         let points: Vec<(DVec3, Option<usize>)> = picked
             .iter()
             .flat_map(|pixel| [pixel.segment as usize, pixel.segment as usize + 1])
