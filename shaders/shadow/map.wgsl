@@ -68,7 +68,9 @@ fn shadow(position: vec3f, light: u32) -> ShadowSample {
 }
 
 // The shadow on the host's opaque scene, where many more points than the hair's are looked up: a filter two texels
-// narrower, at least one.
+// narrower, at least one. Maps of nearest depths alone, which have no layers, hold fibres that texels' centres happen to lie on: what
+// hair hides by its colours shows on skin as dots, unless five texels are averaged.
 fn shadow_received(position: vec3f, light: u32) -> ShadowSample {
-    return shadow_filtered(position, light, max(i32(frame.lights[light].pcf) - 2, 1));
+    let pcf = i32(frame.lights[light].pcf);
+    return shadow_filtered(position, light, select(max(pcf - 2, 1), max(pcf, 5), frame.lights[light].layer_count == 0u));
 }
