@@ -196,10 +196,15 @@ fn transmittance_never_rises_along_the_ray() {
         for pair in passed.windows(2) {
             assert!(pair[1] <= pair[0] + HALF_FLOATS, "{stem}: {passed:.3?}");
         }
-        // Behind six mats at their rim: 0.77 by the approximated deep shadow map.
+        // The approximated deep shadow map knows one fibre of these: 0.77.
+        let most = if *stem == *"approximated_deep_shadow_map" {
+            0.8
+        } else {
+            0.7
+        };
         let (first, last) = (passed[0], passed[27]);
         assert!(
-            first > first_strands(stem, 0.98) && last < 0.8,
+            first > first_strands(stem, 0.98) && last < most,
             "{stem}: {first} to {last}"
         );
     }
