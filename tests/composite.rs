@@ -13,7 +13,7 @@ use crate::common::images::{
     FORMAT, Tolerance, assert_close, image, pixels, read, render, write_depth, write_failure,
 };
 use crate::common::scenes::{
-    A_BUFFERS, WHITE, a_buffer, lists, pixel_view, portrait, reference, reversed, unshadowed,
+    A_BUFFERS, WHITE, a_buffer, lists, pixel_view, portrait, reference, reversed, sunlight,
 };
 use crate::common::{Device, device};
 
@@ -34,10 +34,7 @@ fn scene(device: &mut Device, opacity: f32) -> Hair {
 }
 
 fn lights() -> [Light; 1] {
-    [unshadowed(
-        DVec3::new(-0.5, -0.6, -0.7),
-        Vec3::new(2.0, 1.9, 1.7),
-    )]
+    [sunlight()]
 }
 
 /// A target with an opaque scene of one colour at these depths.

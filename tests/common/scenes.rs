@@ -45,6 +45,11 @@ pub fn unshadowed(direction: DVec3, irradiance: Vec3) -> Light {
     }
 }
 
+/// A warm one from above and the side that nothing shadows.
+pub fn sunlight() -> Light {
+    unshadowed(DVec3::new(-0.5, -0.6, -0.7), Vec3::new(2.0, 1.9, 1.7))
+}
+
 /// The built-in head from the front and above, filling a frame of 328×430.
 pub fn portrait(size: [u32; 2]) -> View {
     let (eye, target) = (DVec3::new(0.1, 0.12, 0.95), DVec3::new(0.0, -0.03, 0.0));

@@ -15,7 +15,8 @@ use pelage_reference::kajiya_kay;
 
 use crate::common::images::{assert_identical, render, write_failure};
 use crate::common::scenes::{
-    A_BUFFERS, a_buffer, camera, curve_tangents, lists, pixel_view, portrait, unshadowed, world,
+    A_BUFFERS, a_buffer, camera, curve_tangents, lists, pixel_view, portrait, sunlight, unshadowed,
+    world,
 };
 use crate::common::{Device, device};
 
@@ -94,10 +95,7 @@ fn coarse(strands: &Strands, count: usize) -> Strands {
 }
 
 fn lights() -> [Light; 1] {
-    [unshadowed(
-        DVec3::new(-0.5, -0.6, -0.7),
-        Vec3::new(2.0, 1.9, 1.7),
-    )]
+    [sunlight()]
 }
 
 fn hair(device: &mut Device, strands: &Strands, shading: Shading) -> Hair {

@@ -1,14 +1,14 @@
 //! The A-buffer against the reference's exact composite.
 
-use pelage::glam::{DVec3, Vec3};
+use pelage::Frame;
+use pelage::glam::Vec3;
 use pelage::groom::{BuiltinGroom, Curve, Strands, builtin};
 use pelage::raster::Raster;
 use pelage::transparency::Storage;
-use pelage::{Frame, Light};
 
 use crate::common::device;
 use crate::common::images::{Tolerance, assert_close, assert_identical, render};
-use crate::common::scenes::{A_BUFFERS, a_buffer, pixel_view, portrait, reference, unshadowed};
+use crate::common::scenes::{A_BUFFERS, a_buffer, pixel_view, portrait, reference, sunlight};
 
 /// What the project promises of the A-buffer.
 const PROMISED: Tolerance = Tolerance {
@@ -18,10 +18,6 @@ const PROMISED: Tolerance = Tolerance {
 
 const SIZE: [u32; 2] = [328, 430];
 
-fn key_light() -> Light {
-    unshadowed(DVec3::new(-0.5, -0.6, -0.7), Vec3::new(2.0, 1.9, 1.7))
-}
-
 #[test]
 fn ten_thousand_strands_match_the_exact_composite_in_either_form_by_either_rasteriser() {
     let Some(mut device) = device() else { return };
@@ -29,7 +25,7 @@ fn ten_thousand_strands_match_the_exact_composite_in_either_form_by_either_raste
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     for opacity in [1.0, 0.3] {
         hair.opacity = opacity;
-        let (hairs, lights) = ([&hair], [key_light()]);
+        let (hairs, lights) = ([&hair], [sunlight()]);
         let mut frame = Frame {
             hairs: &hairs,
             lights: &lights,
@@ -107,7 +103,7 @@ fn a_few_wavy_splines_match_the_exact_composite() {
         .with_curve(Curve::CatmullRom);
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.opacity = 0.6;
-    let (hairs, lights) = ([&hair], [key_light()]);
+    let (hairs, lights) = ([&hair], [sunlight()]);
     let size = [64, 64];
     let view = pixel_view(size, 50.0);
     let mut frame = Frame {
@@ -174,7 +170,7 @@ fn the_two_storages_give_the_same_image() {
     let strands = builtin(BuiltinGroom::Curly, 300).unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.opacity = 0.4;
-    let (hairs, lights) = ([&hair], [key_light()]);
+    let (hairs, lights) = ([&hair], [sunlight()]);
     let size = [96, 128];
     let view = portrait(size);
     for raster in [Raster::Walk, Raster::Ribbons] {

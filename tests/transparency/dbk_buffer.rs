@@ -1,6 +1,6 @@
 //! The DBK-buffer against the reference: the bound that it promises, and how little it stores.
 
-use pelage::glam::{DVec3, Vec3};
+use pelage::glam::Vec3;
 use pelage::groom::{BuiltinGroom, Strands, builtin};
 use pelage::raster::Raster;
 use pelage::transparency::{ABuffer, Culling, DbkBuffer, Transparency};
@@ -10,17 +10,13 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
 use crate::common::images::{assert_identical, pixels, read, render, write_failure};
-use crate::common::scenes::{lists, pixel_view, point_radiance, portrait, reversed, unshadowed};
+use crate::common::scenes::{lists, pixel_view, point_radiance, portrait, reversed, sunlight};
 use crate::common::{Device, device};
 
 const SIZE: [u32; 2] = [164, 215];
 /// The exact image is the A-buffer's, which has the same fragments and is held to the reference by its own tests. Both stop
 /// compositing at a transmittance of 1/4096.
 const ROUNDING: f64 = 1.0 / 4096.0;
-
-fn light() -> Light {
-    unshadowed(DVec3::new(-0.5, -0.6, -0.7), Vec3::new(2.0, 1.9, 1.7))
-}
 
 fn bounded(epsilon: f32, raster: Raster) -> Transparency {
     Transparency::DbkBuffer(DbkBuffer {
@@ -66,7 +62,7 @@ fn what_is_left_out_stays_within_the_tolerance_and_little_more_is_stored_than_th
         let mut hair = device.renderer.create_hair(&strands).unwrap();
         for (opacity, epsilon) in [(1.0, 1.0 / 256.0), (0.9, 1.0 / 16.0), (0.6, 1.0 / 256.0)] {
             hair.opacity = opacity;
-            let (hairs, lights) = ([&hair], [light()]);
+            let (hairs, lights) = ([&hair], [sunlight()]);
             let plain = frame(&hairs, &lights, Transparency::ABuffer(ABuffer::default()));
             let brightest = brightest(&plain);
             let (expected, all) = render(&mut device, &plain, SIZE);
@@ -124,7 +120,7 @@ fn any_strands_stay_within_any_tolerance() {
         let strands = Strands::new(points, &counts, radius).unwrap();
         let mut hair = device.renderer.create_hair(&strands).unwrap();
         hair.opacity = opacity;
-        let (hairs, lights) = ([&hair], [light()]);
+        let (hairs, lights) = ([&hair], [sunlight()]);
         let mut drawn = frame(&hairs, &lights, bounded(epsilon, Raster::Auto));
         drawn.view = pixel_view(size, 10.0);
         if reverse {
@@ -157,7 +153,7 @@ fn where_culling_cannot_pay_it_is_the_a_buffer() {
     let strands = builtin(BuiltinGroom::Straight, 3_000).unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.opacity = 0.05;
-    let (hairs, lights) = ([&hair], [light()]);
+    let (hairs, lights) = ([&hair], [sunlight()]);
     let of = |transparency| frame(&hairs, &lights, transparency);
     let (cut, statistics) = render(&mut device, &of(Transparency::default()), SIZE);
     let all = Transparency::ABuffer(ABuffer::default());
@@ -181,7 +177,7 @@ fn thousands_of_fragments_in_a_pixel_run_over_no_count() {
         let strands = Strands::new(points, &vec![2; count], 1.5).unwrap();
         let mut hair = device.renderer.create_hair(&strands).unwrap();
         hair.opacity = opacity;
-        let (hairs, lights) = ([&hair], [light()]);
+        let (hairs, lights) = ([&hair], [sunlight()]);
         let mut drawn = frame(&hairs, &lights, bounded(0.25, Raster::Walk));
         let size = [16, 8];
         drawn.view = pixel_view(size, 10.0);
@@ -202,7 +198,7 @@ fn a_small_pool_merges_what_it_cannot_hold() {
     let strands = builtin(BuiltinGroom::Straight, 3_000).unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.opacity = 0.9;
-    let (hairs, lights) = ([&hair], [light()]);
+    let (hairs, lights) = ([&hair], [sunlight()]);
     let whole = bounded(DbkBuffer::default().epsilon, Raster::Auto);
     let whole = frame(&hairs, &lights, whole);
     let (expected, statistics) = render(&mut device, &whole, SIZE);
@@ -246,7 +242,7 @@ fn a_depth_shift_draws_what_lies_beyond_as_one_layer() {
         .unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.opacity = 0.5;
-    let (hairs, lights) = ([&hair], [light()]);
+    let (hairs, lights) = ([&hair], [sunlight()]);
     let size = [16, 16];
     let mut drawn = frame(&hairs, &lights, Transparency::ABuffer(ABuffer::default()));
     drawn.view = pixel_view(size, 10.0);
@@ -290,7 +286,7 @@ fn hair_behind_the_hosts_scene_counts_for_nothing() {
     let Some(mut device) = device() else { return };
     let strands = builtin(BuiltinGroom::Straight, 3_000).unwrap();
     let hair = device.renderer.create_hair(&strands).unwrap();
-    let (hairs, lights) = ([&hair], [light()]);
+    let (hairs, lights) = ([&hair], [sunlight()]);
     for at in [0.0, 0.86, 1.0] {
         let depth = vec![at; (SIZE[0] * SIZE[1]) as usize];
         let mut image =

@@ -10,7 +10,7 @@ use pelage_reference::composite::{composite_with_tail, point_colours};
 use crate::common::device;
 use crate::common::images::{Tolerance, assert_close, assert_identical, render};
 use crate::common::scenes::{
-    WHITE, a_buffer, lists, pixel_view, point_radiance, portrait, reference, unshadowed,
+    WHITE, a_buffer, lists, pixel_view, point_radiance, portrait, reference, sunlight, unshadowed,
 };
 
 /// What the project promises of exact techniques.
@@ -29,10 +29,7 @@ fn with_enough_peels_it_is_the_a_buffer_and_with_few_the_rest_is_one_layer() {
     let Some(mut device) = device() else { return };
     let strands = builtin(BuiltinGroom::Straight, 300).unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
-    let lights = [unshadowed(
-        DVec3::new(-0.5, -0.6, -0.7),
-        Vec3::new(2.0, 1.9, 1.7),
-    )];
+    let lights = [sunlight()];
     for opacity in [1.0, 0.3] {
         hair.opacity = opacity;
         let hairs = [&hair];

@@ -11,7 +11,9 @@ use pelage_reference::k_buffer;
 
 use crate::common::Device;
 use crate::common::images::{Tolerance, assert_close, assert_identical, render, write_failure};
-use crate::common::scenes::{WHITE, lists, pixel_view, point_radiance, portrait, unshadowed};
+use crate::common::scenes::{
+    WHITE, lists, pixel_view, point_radiance, portrait, sunlight, unshadowed,
+};
 
 pub const SIZE: [u32; 2] = [164, 215];
 
@@ -28,10 +30,7 @@ impl Scene {
     pub fn new(device: &mut Device) -> Self {
         let strands = builtin(BuiltinGroom::Straight, 3_000).unwrap();
         let hair = device.renderer.create_hair(&strands).unwrap();
-        let lights = [unshadowed(
-            DVec3::new(-0.5, -0.6, -0.7),
-            Vec3::new(2.0, 1.9, 1.7),
-        )];
+        let lights = [sunlight()];
         let view = portrait(SIZE);
         let mut scene = Self {
             hair,

@@ -1,7 +1,7 @@
 //! The opaque technique: the nearest fragment's colour at the whole opacity.
 
 use pelage::Frame;
-use pelage::glam::{DVec3, Vec3};
+use pelage::glam::Vec3;
 use pelage::groom::{BuiltinGroom, builtin};
 use pelage::raster::Raster;
 use pelage::transparency::{Opaque, Transparency};
@@ -9,7 +9,7 @@ use pelage_reference::composite;
 
 use crate::common::device;
 use crate::common::images::{Tolerance, assert_close, assert_identical, render};
-use crate::common::scenes::{lists, point_radiance, portrait, unshadowed};
+use crate::common::scenes::{lists, point_radiance, portrait, sunlight};
 
 /// As of the A-buffer. Where two fragments are so near to one another that f32 cannot order them, the winner's colour
 /// differs; they are too few for the percentile.
@@ -27,10 +27,7 @@ fn the_nearest_fragment_gives_the_colour_and_all_of_them_the_opacity() {
     for opacity in [1.0, 0.3] {
         hair.opacity = opacity;
         let hairs = [&hair];
-        let lights = [unshadowed(
-            DVec3::new(-0.5, -0.6, -0.7),
-            Vec3::new(2.0, 1.9, 1.7),
-        )];
+        let lights = [sunlight()];
         let view = portrait(size);
         let mut frame = Frame {
             hairs: &hairs,

@@ -12,7 +12,7 @@ use crate::common::images::{
     FORMAT, Tolerance, assert_close, assert_identical, read, render, write_failure,
 };
 use crate::common::scenes::{
-    A_BUFFERS, a_buffer, lists, pixel_view, portrait, reference, unshadowed,
+    A_BUFFERS, a_buffer, lists, pixel_view, portrait, reference, sunlight, unshadowed,
 };
 use crate::common::{Device, device};
 
@@ -46,10 +46,7 @@ fn scene(device: &mut Device, opacity: f32) -> Hair {
 }
 
 fn lights() -> [Light; 1] {
-    [unshadowed(
-        DVec3::new(-0.5, -0.6, -0.7),
-        Vec3::new(2.0, 1.9, 1.7),
-    )]
+    [sunlight()]
 }
 
 fn bound(storage: Storage) -> Tolerance {

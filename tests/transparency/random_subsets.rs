@@ -1,6 +1,6 @@
 //! Random subsets against the same rule in double precision.
 
-use pelage::glam::{DVec3, Vec3};
+use pelage::glam::Vec3;
 use pelage::groom::{BuiltinGroom, builtin};
 use pelage::raster::Raster;
 use pelage::transparency::{Opaque, RandomSubsets, Transparency};
@@ -11,7 +11,7 @@ use pelage_reference::error::colour_error;
 
 use crate::common::device;
 use crate::common::images::{Tolerance, assert_close, assert_identical, render};
-use crate::common::scenes::{lists, point_radiance, portrait, reference, unshadowed, world};
+use crate::common::scenes::{lists, point_radiance, portrait, reference, sunlight, world};
 
 /// Where two fragments are so near to one another that f32 cannot order them, a subset shows the other one; and slivers of
 /// opacity below 1e-10 are none. As of the opaque technique.
@@ -55,10 +55,7 @@ fn the_nearest_of_each_subset_are_composited() {
     let Some(mut device) = device() else { return };
     let strands = builtin(BuiltinGroom::Straight, 3_000).unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
-    let lights = [unshadowed(
-        DVec3::new(-0.5, -0.6, -0.7),
-        Vec3::new(2.0, 1.9, 1.7),
-    )];
+    let lights = [sunlight()];
     for opacity in [1.0, 0.3] {
         hair.opacity = opacity;
         let hairs = [&hair];

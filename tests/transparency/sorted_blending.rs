@@ -11,7 +11,8 @@ use pelage_reference::error::{alpha_error, colour_error};
 use super::{extent, portrait_distance};
 use crate::common::images::{FORMAT, Tolerance, assert_close, assert_identical, render};
 use crate::common::scenes::{
-    WHITE, World, lists, pixel_view, point_radiance, portrait, reference, unshadowed, world,
+    WHITE, World, lists, pixel_view, point_radiance, portrait, reference, sunlight, unshadowed,
+    world,
 };
 use crate::common::{Device, device};
 
@@ -128,10 +129,7 @@ fn finer_bins_come_nearer_to_the_exact_composite() {
     let mut hair = device.renderer.create_hair(&strands).unwrap();
     hair.opacity = 0.3;
     let hairs = [&hair];
-    let lights = [unshadowed(
-        DVec3::new(-0.5, -0.6, -0.7),
-        Vec3::new(2.0, 1.9, 1.7),
-    )];
+    let lights = [sunlight()];
     let mut frame = Frame {
         hairs: &hairs,
         lights: &lights,

@@ -13,7 +13,7 @@ use super::{extent, portrait_distance};
 use crate::common::device;
 use crate::common::images::{Tolerance, assert_close, assert_identical, render};
 use crate::common::scenes::{
-    lists, pixel_view, point_radiance, portrait, reference, reversed, unshadowed,
+    lists, pixel_view, point_radiance, portrait, reference, reversed, sunlight, unshadowed,
 };
 
 /// As of the A-buffer: half floats of radiance and single precision of coverage.
@@ -50,10 +50,7 @@ fn every_weight_gives_the_sums_of_the_reference() {
     let Some(mut device) = device() else { return };
     let strands = builtin(BuiltinGroom::Straight, 3_000).unwrap();
     let mut hair = device.renderer.create_hair(&strands).unwrap();
-    let lights = [unshadowed(
-        DVec3::new(-0.5, -0.6, -0.7),
-        Vec3::new(2.0, 1.9, 1.7),
-    )];
+    let lights = [sunlight()];
     for opacity in [1.0, 0.3] {
         hair.opacity = opacity;
         let hairs = [&hair];
