@@ -255,8 +255,6 @@ pub struct PointOutput {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Projected {
     pub position: [f32; 2],
-    pub depth: f32,
-    pub half_width: f32,
-    pub bisector: u32,
-    pub flags: u32,
+    pub depth_width: [f32; 2],
+    pub bisector_flags: [u32; 2],
 }

@@ -589,7 +589,7 @@ pub fn layouts() -> Vec<Layout> {
         Placement { root, guide_0, tip, guide_1, stray, guide_2 }
         PointAttributes { strand, coordinate }
         PointOutput { motion, hair, strand }
-        Projected { position, depth, half_width, bisector, flags }
+        Projected { position, depth_width, bisector_flags }
     }
 }
 

@@ -2,11 +2,15 @@
 //! the exact fragments of each texel. How far that is from the light that truly arrives is for
 //! [`transmittance`](crate::transmittance) to say.
 //!
+//! A texel is its slice: the line through its centre along the axis, x or y, that the fibre crosses more steeply. What the fibre
+//! covers of the line counts as covered, times the part of the texel's extent along the other axis that lies between the strand's
+//! ends. So all that a thin fibre covers of a row or a column of texels is in one of them.
+//!
 //! All share the filter: the mean over a square of `pcf` texels a side around the point of what each texel says.
 
-use crate::fragments::FragmentLists;
+use crate::fragments::{Fragment, FragmentLists};
 use crate::scene::{Camera, Strands};
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4, Vec2Swizzles};
 
 /// A light's map of some strands, and depth along its axis.
 pub struct LightMap<'a> {
@@ -27,7 +31,7 @@ pub struct Occluder {
     pub segment: usize,
     /// Depth along the map's axis.
     pub depth: f64,
-    /// The part of the texel that the fibre covers.
+    /// The part of the texel's slice that the fibre covers.
     pub coverage: f64,
     /// Whether the texel's centre is covered.
     pub at_centre: bool,
@@ -46,11 +50,62 @@ impl LightMap<'_> {
         DVec2::new((clip.x + vector.w) * half.x, (vector.w - clip.y) * half.y)
     }
 
+    /// A point on the map, in texels.
+    fn place(&self, point: usize) -> DVec2 {
+        self.texels(self.strands.points[point].extend(1.0))
+    }
+
+    /// Along a strand, how far it goes on in texels from a point to its end, or 2 where that is farther.
+    fn rest(&self, points: impl Iterator<Item = usize>) -> f64 {
+        let mut places = points.map(|point| self.place(point));
+        let Some(mut last) = places.next() else {
+            return 0.0;
+        };
+        let mut sum = 0.0;
+        for place in places {
+            sum += (place - last).length();
+            last = place;
+            if sum >= 2.0 {
+                return 2.0;
+            }
+        }
+        sum
+    }
+
+    /// The part of a texel's slice that a fibre of this half-width covers, which has a direction there.
+    fn slice(&self, fragment: &Fragment, centre: DVec2, half_width: f64) -> f64 {
+        let first = fragment.segment as usize;
+        let [a, b] = [self.place(first), self.place(first + 1)];
+        let along = (b - a).normalize_or_zero();
+        // Major coordinate first.
+        let turned = |v: DVec2| {
+            if along.y.abs() > along.x.abs() {
+                v.yx()
+            } else {
+                v
+            }
+        };
+        let [way, from] = [turned(along), turned(centre - a)];
+        if way.x == 0.0 {
+            return 0.0;
+        }
+        // Where on the axis, from the segment's first point, the slice's middle lies.
+        let middle = from.x / way.x;
+        let offset = middle * way.y - from.y;
+        let half = half_width / way.x.abs();
+        let across = ((offset + half).min(0.5) - (offset - half).max(-0.5)).max(0.0);
+        let points = self.strands.range(fragment.strand as usize);
+        let start = -self.rest((points.start..=first).rev());
+        let end = (b - a).length() + self.rest(first + 1..points.end);
+        let [start, end] = [start, end].map(|s| ((s - middle) * way.x.abs()).clamp(-0.5, 0.5));
+        across * (end - start).max(0.0)
+    }
+
     /// A texel's fragments, nearest to the light first.
     pub fn occluders(&self, x: usize, y: usize) -> Vec<Occluder> {
         let centre = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let towards_light = self.camera.eye.truncate();
-        let seen = |fragment: &crate::fragments::Fragment| {
+        let seen = |fragment: &Fragment| {
             let first = fragment.segment as usize;
             let [a, b] = [self.strands.points[first], self.strands.points[first + 1]];
             let axis = a.lerp(b, fragment.t);
@@ -64,11 +119,12 @@ impl LightMap<'_> {
             Occluder {
                 segment: first,
                 depth: self.depth(axis),
-                coverage: fragment.coverage,
+                coverage: self.slice(fragment, centre, half_width),
                 at_centre: distance < half_width,
             }
         };
-        self.lists.at(x, y).iter().map(seen).collect()
+        let occluders = self.lists.at(x, y).iter().map(seen);
+        occluders.filter(|o| o.coverage > 0.0).collect()
     }
 
     /// The mean of `texel(x, y)` over the square of `pcf` texels around a position; 1 outside of the map.

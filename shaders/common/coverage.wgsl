@@ -18,6 +18,13 @@ fn footprint(normal: vec2f) -> Footprint {
     return Footprint(0.5 * (a - b), 0.5 * (a + b), 1.0 / a, 0.5 / max(b, 1e-6));
 }
 
+// The same of the pixel's slice: the line through its centre across the fibre's major axis. A thin fibre leaves one fragment a
+// slice, with all of what it covers there, and not parts of it in two or three pixels.
+fn footprint_slice(normal: vec2f) -> Footprint {
+    let a = max(abs(normal.x), abs(normal.y));
+    return Footprint(0.5 * a, 0.5 * a, 1.0 / a, 0.0);
+}
+
 // Area of the square between its centre line and the line at distance `d`, signed like `d`: from -½ to ½.
 fn coverage_half_plane(f: Footprint, d: f32) -> f32 {
     let reach = clamp(d, -f.support, f.support);
@@ -52,6 +59,17 @@ fn coverage_touches(normal: vec2f, across: f32, half_width: f32, start: f32, end
     let tangent = vec2f(-normal.y, normal.x);
     let centre = 0.5 * (start + end) * tangent - across * normal;
     return all(abs(centre) < 0.5 + half_width * abs(normal) + 0.5 * (end - start) * abs(tangent));
+}
+
+// The part of a slice's major extent that lies between the fibre's ends, which are at distances start and end along the tangent from
+// the foot of the perpendicular from the pixel's centre; `across` is the centre's distance from the axis.
+fn coverage_slice_ends(normal: vec2f, across: f32, start: f32, end: f32) -> f32 {
+    let steep = abs(normal.x) > abs(normal.y);
+    let major = select(-normal.y, normal.x, steep);
+    // From the foot to the point of the axis in the slice's middle, along the major axis.
+    let offset = across * select(normal.x, normal.y, steep) * sign(major);
+    let bounds = clamp(vec2f(start, end) * abs(major) - offset, vec2f(-0.5), vec2f(0.5));
+    return max(bounds.y - bounds.x, 0.0);
 }
 
 // Area of the square within the rectangle low < n < low + width, start < t < end in the frame (normal, tangent) around

@@ -289,16 +289,16 @@ struct PointOutput {
     strand: u32,
 }
 
-// A point as a view or a light sees it: position in pixels, depth, half-width in pixels.
+// A point as a view or a light sees it. Pairs, since some drivers take as long to load one word as two.
 struct Projected {
+    // In pixels.
     position: vec2f,
-    depth: f32,
-    half_width: f32,
-    // Unit normal of the plane that parts the point's two segments (2 × snorm16).
-    bisector: u32,
+    // Depth, and half-width in pixels.
+    depth_width: vec2f,
+    // The bisector, which is the unit normal of the plane that parts the point's two segments (2 × snorm16); and the flags:
     // PROJECTED_… below, and how far it is along the strand to its first and its last point, in pixels up to 1, in 12
     // bits each.
-    flags: u32,
+    bisector_flags: vec2u,
 }
 
 const PROJECTED_FIRST: u32 = 0x80000000u;
@@ -306,8 +306,8 @@ const PROJECTED_LAST: u32 = 0x40000000u;
 // The turn is so sharp that both segments end here.
 const PROJECTED_BREAK: u32 = 0x20000000u;
 // Behind the near plane; the next two say which of the point's segments cross it. Position, depth and half-width are
-// then those of the crossing. Where both cross they are the following segment's, except that `depth`, which is the near
-// plane's, holds the last one's half-width, and `bisector` its position. The two distances are places along the last and along the following segment instead.
+// then those of the crossing. Where both cross they are the following segment's, except that the depth, which is the
+// near plane's, holds the last one's half-width, and the bisector its position. The two distances are places along the last and along the following segment instead.
 const PROJECTED_BEHIND: u32 = 0x10000000u;
 const PROJECTED_CUT_START: u32 = 0x08000000u;
 const PROJECTED_CUT_END: u32 = 0x04000000u;

@@ -22,7 +22,7 @@ var<workgroup> order_sums: array<u32, ORDER_INVOCATIONS>;
 fn order_key(index: u32) -> u32 {
     if index + 1u >= drawing.point_count { return ORDER_KEYS; }
     let here = projected[index];
-    if (here.flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) != 0u { return ORDER_KEYS; }
+    if (here.bisector_flags.y & (PROJECTED_LAST | PROJECTED_UNSEEN)) != 0u { return ORDER_KEYS; }
     let next = projected[index + 1u];
     let size = vec2u(max(drawing.viewport, vec2f(1.0)));
     var tile = ORDER_TILE;
@@ -33,7 +33,7 @@ fn order_key(index: u32) -> u32 {
     }
     let middle = clamp(0.5 * (here.position + next.position), vec2f(0.0), vec2f(size) - 1.0);
     let place = vec2u(middle) / tile;
-    let ends = (here.flags & PROJECTED_FIRST) != 0u || (next.flags & PROJECTED_LAST) != 0u;
+    let ends = (here.bisector_flags.y & PROJECTED_FIRST) != 0u || (next.bisector_flags.y & PROJECTED_LAST) != 0u;
     return 2u * (place.y * ((size.x + tile - 1u) / tile) + place.x) + select(1u, 0u, ends);
 }
 

@@ -131,7 +131,7 @@ fn project_reach(here: Projected, next: vec3f, next_radius: f32) -> ProjectReach
     let radius = next_radius * drawing.radius_scale;
     let ndc = abs(clip.xy / clip.w);
     let shift = 0.5 * drawing.viewport * (rows + ndc * row_w) * radius / max(clip.w - radius * row_w, 0.5 * clip.w);
-    let reach = max(here.half_width, max(shift.x, shift.y)) + 1.0;
+    let reach = max(here.depth_width.y, max(shift.x, shift.y)) + 1.0;
     let low = min(here.position, there) - reach;
     let high = max(here.position, there) + reach;
     found.known = true;
@@ -141,7 +141,7 @@ fn project_reach(here: Projected, next: vec3f, next_radius: f32) -> ProjectReach
     found.outside = any(high < vec2f(0.0)) || any(low > drawing.viewport);
     found.first = vec2u(clamp(low, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
     found.last = vec2u(clamp(high, vec2f(0.0), drawing.viewport - 1.0)) / HOST_TILE;
-    let keys = vec2u(depth_key(here.depth), depth_key(project_depth(next, clip)));
+    let keys = vec2u(depth_key(here.depth_width.x), depth_key(project_depth(next, clip)));
     found.nearest = min(keys.x, keys.y);
     found.farthest = max(keys.x, keys.y);
     return found;
@@ -310,9 +310,9 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     }
     let clip = project_clip(position);
     let half_width = project_half_width(position, tangent, radius);
-    let here = Projected(project_pixel(clip), project_depth(position, clip), half_width, 0u, 0u);
+    let here = Projected(project_pixel(clip), vec2f(project_depth(position, clip), half_width), vec2u(0u));
     let twice = (flags & PROJECTED_CUT_START) != 0u && (flags & PROJECTED_CUT_END) != 0u;
-    let depth = select(here.depth, second_half_width, twice);
+    let depth = select(here.depth_width.x, second_half_width, twice);
     if VIEW && !is_last && (flags & PROJECTED_BEHIND) == 0u {
         let next = project_relative(index + 1u);
         flags |= project_visibility(project_reach(here, next, points[index + 1u].radius));
@@ -324,5 +324,5 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     } else if twice {
         word = second;
     }
-    projected_out[index] = Projected(here.position, depth, half_width, word, flags);
+    projected_out[index] = Projected(here.position, vec2f(depth, half_width), vec2u(word, flags));
 }

@@ -5,11 +5,16 @@
 // joint evaluate the same plane, so that every pixel has exactly one owner.
 //
 // Where the header says TOUCH_ONLY no coverage is found, only which pixels the fibre touches: enough for a front and for
-// a count. With CENTRE_ONLY it is those whose centres the fibre covers, as the hardware samples a triangle.
+// a count. FOOTPRINT says what of a pixel is looked at: its square; its slice, which is enough for a map; or its centre, as the
+// hardware samples a triangle.
 
 @group(1) @binding(0) var<storage, read> projected: array<Projected>;
 // First points of the run's segments in the order in which the walk takes them; its last word is their number.
 @group(1) @binding(1) var<storage, read> order: array<u32>;
+
+const FOOTPRINT_SQUARE: u32 = 0u;
+const FOOTPRINT_SLICE: u32 = 1u;
+const FOOTPRINT_CENTRE: u32 = 2u;
 
 // Whether the invocation's segment need not be compared with the host's depth.
 var<private> segment_in_front: bool;
@@ -64,14 +69,14 @@ fn segment_beyond(word: u32) -> f32 {
 fn segment(index: u32) -> Segment {
     var s: Segment;
     s.valid = false;
-    let flags = projected[index].flags;
+    let p = projected[index];
+    let flags = p.bisector_flags.y;
     if (flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) != 0u || index + 1u >= drawing.point_count { return s; }
-    let next_flags = projected[index + 1u].flags;
+    let q = projected[index + 1u];
+    let next_flags = q.bisector_flags.y;
     if (flags & (PROJECTED_BEHIND | PROJECTED_CUT_START)) == PROJECTED_BEHIND { return s; }
     if (next_flags & (PROJECTED_BEHIND | PROJECTED_CUT_END)) == PROJECTED_BEHIND { return s; }
     segment_in_front = (flags & PROJECTED_IN_FRONT) != 0u;
-    let p = projected[index];
-    let q = projected[index + 1u];
     s.start = p.position;
     s.end = q.position;
     s.along_start = 0.0;
@@ -84,11 +89,11 @@ fn segment(index: u32) -> Segment {
         s.along_end = f32(steps) / f32(PROJECTED_DISTANCE_MAX);
         if (next_flags & PROJECTED_CUT_START) != 0u {
             let range = PROJECTED_SECOND_RANGE * max(drawing.viewport.x, drawing.viewport.y);
-            s.end = unpack2x16snorm(projected[index + 1u].bisector) * range;
+            s.end = unpack2x16snorm(q.bisector_flags.x) * range;
         }
     }
-    s.start_plane = unpack2x16snorm(projected[index].bisector);
-    s.end_plane = unpack2x16snorm(projected[index + 1u].bisector);
+    s.start_plane = unpack2x16snorm(p.bisector_flags.x);
+    s.end_plane = unpack2x16snorm(q.bisector_flags.x);
     let offset = s.end - s.start;
     s.length = length(offset);
     if s.length > 1e-6 {
@@ -101,16 +106,20 @@ fn segment(index: u32) -> Segment {
     s.normal = vec2f(s.tangent.y, -s.tangent.x);
     let twice = PROJECTED_CUT_START | PROJECTED_CUT_END;
     let near = select(0.0, 1.0, (drawing.flags & DRAWING_REVERSE_Z) != 0u);
-    s.start_half_width = p.half_width;
-    s.start_depth = select(p.depth, near, (flags & twice) == twice);
-    s.end_half_width = select(q.half_width, q.depth, (next_flags & twice) == twice);
-    s.end_depth = select(q.depth, near, (next_flags & twice) == twice);
+    s.start_half_width = p.depth_width.y;
+    s.start_depth = select(p.depth_width.x, near, (flags & twice) == twice);
+    s.end_half_width = select(q.depth_width.y, q.depth_width.x, (next_flags & twice) == twice);
+    s.end_depth = select(q.depth_width.x, near, (next_flags & twice) == twice);
     s.starts = (flags & (PROJECTED_FIRST | PROJECTED_BREAK | PROJECTED_CUT_START)) != 0u;
     s.ends = (next_flags & (PROJECTED_LAST | PROJECTED_BREAK | PROJECTED_CUT_END)) != 0u;
     s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts);
     s.after = select(segment_beyond(next_flags), 0.0, s.ends);
-    s.footprint = footprint(s.normal);
-    if CENTRE_ONLY { s.footprint.support = 0.0; }
+    if FOOTPRINT == FOOTPRINT_SLICE {
+        s.footprint = footprint_slice(s.normal);
+    } else {
+        s.footprint = footprint(s.normal);
+    }
+    if FOOTPRINT == FOOTPRINT_CENTRE { s.footprint.support = 0.0; }
     // Uniforms are read here once and not at every pixel, where some drivers would read them anew.
     s.opacity = drawing.opacity;
     s.point = drawing.point_base + index;
@@ -125,7 +134,11 @@ fn segment_reach(s: Segment) -> f32 {
 
 // How far beyond an end along the axis owned pixels can lie.
 fn segment_overhang(s: Segment, plane: vec2f, is_end: bool, reach: f32) -> f32 {
-    if is_end { return s.footprint.support; }
+    if is_end {
+        if FOOTPRINT != FOOTPRINT_SLICE { return s.footprint.support; }
+        let across = min(abs(s.normal.x), abs(s.normal.y));
+        return (0.5 + reach * across) * s.footprint.inverse_a;
+    }
     let along = dot(plane, s.tangent);
     return reach * abs(dot(plane, s.normal)) / max(along, 0.25);
 }
@@ -172,12 +185,19 @@ fn segment_fragment(s: Segment, centre: vec2f, near_end: bool) -> Fragment {
     let end = s.length - along + s.after;
     fragment.touched = abs(across) < half_width + support;
     if near_end {
-        fragment.touched = fragment.touched && start < support && end > -support
-            && (CENTRE_ONLY || coverage_touches(s.normal, across, half_width, max(start, -2.0), min(end, 2.0)));
+        let bounds = vec2f(max(start, -2.0), min(end, 2.0));
+        if FOOTPRINT == FOOTPRINT_SLICE {
+            fragment.touched = fragment.touched && coverage_slice_ends(s.normal, across, bounds.x, bounds.y) > 0.0;
+        } else {
+            fragment.touched = fragment.touched && start < support && end > -support
+                && (FOOTPRINT == FOOTPRINT_CENTRE || coverage_touches(s.normal, across, half_width, bounds.x, bounds.y));
+        }
     }
     if !TOUCH_ONLY {
         var coverage = coverage_band(s.footprint, across, half_width);
-        if near_end && (start > -support || end < support) {
+        if near_end && FOOTPRINT == FOOTPRINT_SLICE {
+            coverage *= coverage_slice_ends(s.normal, across, max(start, -2.0), min(end, 2.0));
+        } else if near_end && (start > -support || end < support) {
             coverage = coverage_rectangle(s.normal, -across - half_width, 2.0 * half_width, start, end);
         }
         fragment.opacity = s.opacity * max(coverage, 0.0);

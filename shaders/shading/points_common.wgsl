@@ -8,8 +8,8 @@
 
 // Whether one of the point's two segments may be drawn.
 fn points_seen(index: u32) -> bool {
-    if (projected[index].flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) == 0u { return true; }
-    return (projected[max(index, 1u) - 1u].flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) == 0u;
+    if (projected[index].bisector_flags.y & (PROJECTED_LAST | PROJECTED_UNSEEN)) == 0u { return true; }
+    return (projected[max(index, 1u) - 1u].bisector_flags.y & (PROJECTED_LAST | PROJECTED_UNSEEN)) == 0u;
 }
 
 fn points_relative(index: u32) -> vec3f {

@@ -22,7 +22,7 @@ fn emit_begin() -> bool {
 fn volume_inclination(point: u32) -> f32 {
     let index = point - map_point_base;
     let across = length(projected[index + 1u].position - projected[index].position) * map_texel;
-    return atan2(abs(projected[index + 1u].depth - projected[index].depth), max(across, 1e-30));
+    return atan2(abs(projected[index + 1u].depth_width.x - projected[index].depth_width.x), max(across, 1e-30));
 }
 
 fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {

@@ -3,5 +3,5 @@
 
 fn shadow_nearest_depth(texel: vec2u, depth: f32, margin: f32) -> f32 {
     let own = shadow_own(texel);
-    return select(depth, min(depth, own.depth) - margin, own.optical_depth > 0.0);
+    return select(depth, min(depth, own.depth) - margin, own.touches);
 }

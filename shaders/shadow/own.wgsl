@@ -30,6 +30,8 @@ struct ShadowOwnSide {
 struct ShadowOwn {
     optical_depth: f32,
     depth: f32,
+    // Whether it touches the texel anywhere, also beside what sums look at.
+    touches: bool,
 }
 
 // Where the fibre hides more of a texel than this, how much it leaves is rounding: all of the light is what it took.
@@ -62,10 +64,10 @@ fn shadow_own_side(neighbour: vec3f, map: u32, resolution: f32) -> ShadowOwnSide
     let distance = length(offset);
     let depth = dot(frame.shadow_views[map].depth_row, vec4f(neighbour, 1.0));
     if !(distance > SHADOW_OWN_COINCIDENT) || clip.w <= 0.0 {
-        return ShadowOwnSide(vec2f(0.0), 0.0, 0.0, footprint(vec2f(1.0, 0.0)));
+        return ShadowOwnSide(vec2f(0.0), 0.0, 0.0, footprint_slice(vec2f(1.0, 0.0)));
     }
     let tangent = offset / distance;
-    return ShadowOwnSide(tangent, (depth - shadow_own_depth) / distance, distance, footprint(tangent.yx));
+    return ShadowOwnSide(tangent, (depth - shadow_own_depth) / distance, distance, footprint_slice(tangent.yx));
 }
 
 // Finds the fibre on the map, whose clip space and depths the point has these values in.
@@ -103,16 +105,20 @@ fn shadow_own_begin(position: vec3f, clip: vec4f, depth: f32, map: u32, light: u
 
 // The fibre's fragment in a texel.
 fn shadow_own(texel: vec2u) -> ShadowOwn {
-    if shadow_fibre.opacity <= 0.0 { return ShadowOwn(0.0, 0.0); }
+    if shadow_fibre.opacity <= 0.0 { return ShadowOwn(0.0, 0.0, false); }
     let centre = vec2f(texel) + 0.5 - shadow_own_place;
     let is_after = dot(centre, shadow_own_bisector) >= 0.0;
     var side = shadow_own_before;
     if is_after { side = shadow_own_after; }
     let along = dot(centre, side.tangent);
-    let across = dot(centre, vec2f(side.tangent.y, -side.tangent.x));
+    let normal = vec2f(side.tangent.y, -side.tangent.x);
+    let across = dot(centre, normal);
     // Beyond the strand's end there is none of it.
-    let cut = select(1.0, clamp(0.5 + side.length - along, 0.0, 1.0), select(shadow_fibre.starts, shadow_fibre.ends, is_after));
+    let ends = select(shadow_fibre.starts, shadow_fibre.ends, is_after);
+    let cut = select(1.0, coverage_slice_ends(normal, across, -2.0, min(side.length - along, 2.0)), ends);
     let opacity = shadow_fibre.opacity * cut * coverage_band(side.footprint, across, shadow_own_half_width);
     let taken = select(optical_depth(opacity), OPTICAL_DEPTH_OPAQUE, opacity > SHADOW_OWN_OPAQUE);
-    return ShadowOwn(select(0.0, taken, opacity > 0.0), shadow_own_depth + along * side.slope);
+    let reach = shadow_own_half_width + 0.5 * (abs(normal.x) + abs(normal.y));
+    let touches = abs(across) < reach && !(ends && along >= side.length + 0.5);
+    return ShadowOwn(select(0.0, taken, opacity > 0.0), shadow_own_depth + along * side.slope, touches);
 }

@@ -23,12 +23,12 @@ fn dbk_buffer_depths(@builtin(global_invocation_id) invocation: vec3u, @builtin(
     let index = invocation.x + invocation.y * groups.x * 64u;
     if index >= drawing.point_count { return; }
     let point = projected[index];
-    if (point.flags & (PROJECTED_BEHIND | PROJECTED_UNSEEN)) != 0u || !(point.depth >= 0.0 && point.depth <= 1.0) { return; }
+    if (point.bisector_flags.y & (PROJECTED_BEHIND | PROJECTED_UNSEEN)) != 0u || !(point.depth_width.x >= 0.0 && point.depth_width.x <= 1.0) { return; }
     let columns = dbk_columns();
     let rows = dbk_rows();
     let tile = dbk_tile_at(point.position, columns, rows);
     if tile == columns * rows { return; }
-    let key = depth_key(point.depth);
+    let key = depth_key(point.depth_width.x);
     let words = dbk_tile_words(dbk_pixels(), tile);
     atomicMax(&fill[words], 0xffffffffu - key);
     atomicMax(&fill[words + 1u], key);
@@ -41,14 +41,14 @@ fn dbk_buffer_estimate(@builtin(global_invocation_id) invocation: vec3u, @builti
     if index + 1u >= drawing.point_count { return; }
     let here = projected[index];
     let next = projected[index + 1u];
-    if (here.flags & (PROJECTED_LAST | PROJECTED_BEHIND | PROJECTED_UNSEEN)) != 0u { return; }
-    if (next.flags & PROJECTED_BEHIND) != 0u { return; }
+    if (here.bisector_flags.y & (PROJECTED_LAST | PROJECTED_BEHIND | PROJECTED_UNSEEN)) != 0u { return; }
+    if (next.bisector_flags.y & PROJECTED_BEHIND) != 0u { return; }
     // Some place that differs from strand to strand.
     let part = f32((index * 0x9e3779b9u) >> 8u) / 16777216.0;
     let columns = dbk_columns();
     let rows = dbk_rows();
     let tile = dbk_tile_at(mix(here.position, next.position, part), columns, rows);
-    let depth = mix(here.depth, next.depth, part);
+    let depth = mix(here.depth_width.x, next.depth_width.x, part);
     if tile == columns * rows || !(depth >= 0.0 && depth <= 1.0) { return; }
     let words = dbk_tile_words(dbk_pixels(), tile);
     let front = 0xffffffffu - atomicLoad(&fill[words]);
@@ -57,7 +57,7 @@ fn dbk_buffer_estimate(@builtin(global_invocation_id) invocation: vec3u, @builti
     let place = f32(depth_key(depth) - min(front, depth_key(depth))) / f32(back - front);
     let step = min(u32(place * f32(DBK_STEPS)), DBK_STEPS - 1u);
     // A fibre of width w touches w + 4/π pixels a pixel of its length, each by as much on average.
-    let width = 2.0 * max(mix(here.half_width, next.half_width, part), 0.0);
+    let width = 2.0 * max(mix(here.depth_width.y, next.depth_width.y, part), 0.0);
     let touched = width + 1.28;
     let each = min(optical_depth(drawing.opacity * width / touched), frame.cut_depth);
     let sum = distance(here.position, next.position) * touched * each;

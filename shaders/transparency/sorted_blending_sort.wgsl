@@ -28,7 +28,7 @@ fn sort_settings() -> Sort {
 
 // Whether a segment begins at the point; each does, seen or not, so that their number is known.
 fn sort_begins(index: u32) -> bool {
-    return (projected[index].flags & PROJECTED_LAST) == 0u;
+    return (projected[index].bisector_flags.y & PROJECTED_LAST) == 0u;
 }
 
 // The bin of a segment, in the order in which they are drawn. Segments that are not seen may lie in any.

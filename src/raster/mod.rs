@@ -59,8 +59,20 @@ pub(crate) struct Emission {
     pub group: Group,
     /// Coverage is not asked for, only whether a fibre touches a pixel.
     pub touch_only: bool,
-    /// A fibre counts where it covers a pixel's centre, not where it touches the pixel. Only with `touch_only`.
-    pub centre_only: bool,
+    /// What of a pixel is looked at.
+    pub footprint: Footprint,
+}
+
+/// What of a pixel a fibre is held against: `FOOTPRINT_…` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Footprint {
+    /// The square: what a picture wants.
+    Square = 0,
+    /// The line through its centre across the fibre's major axis: all that a thin fibre covers of a slice of pixels is in one of
+    /// them. Enough for a map, whose texels are averaged, and cheaper.
+    Slice = 1,
+    /// The centre alone, as the hardware samples a triangle. Only with `touch_only`.
+    Centre = 2,
 }
 
 /// The file by which colours of what overflows are summed as fragments are found, and the one where no colours are known then.
@@ -91,7 +103,7 @@ impl Emission {
             .with("STAGE", Constant::U32(self.stage))
             .with("PARTS", Constant::U32(parts))
             .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
-            .with("CENTRE_ONLY", Constant::Bool(self.centre_only))
+            .with("FOOTPRINT", Constant::U32(self.footprint as u32))
             .and(&files)
             .and(&[rasteriser])
     }

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_4;
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Plan, PlannedMap};
-use crate::raster::{Emission, Raster};
+use crate::raster::{Emission, Footprint, Raster};
 use crate::resources::Bound;
 
 use super::shadow_map::NEAREST;
@@ -31,7 +31,7 @@ pub(crate) const DEPTH: Emission = Emission {
     files: NEAREST,
     group: Group::MapsWritten,
     touch_only: true,
-    centre_only: true,
+    footprint: Footprint::Centre,
 };
 
 /// The optical depth of an opaque fibre.

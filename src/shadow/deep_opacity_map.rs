@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::{Plan, PlannedMap};
-use crate::raster::{Emission, Raster};
+use crate::raster::{Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::Module;
 
@@ -41,7 +41,7 @@ const FRONT: Emission = Emission {
     ],
     group: Group::MapsWritten,
     touch_only: true,
-    centre_only: false,
+    footprint: Footprint::Slice,
 };
 const LAYERS: Emission = Emission {
     label: "pelage.shadow.deep_opacity_map.layers",

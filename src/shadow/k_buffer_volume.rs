@@ -18,7 +18,7 @@ use glam::Vec3;
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::{Plan, PlannedMap};
-use crate::raster::{Emission, Raster};
+use crate::raster::{Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::Module;
 
@@ -49,7 +49,7 @@ const EVENTS: Emission = Emission {
     ],
     group: Group::MapsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Slice,
 };
 
 /// All stages.

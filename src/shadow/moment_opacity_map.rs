@@ -29,7 +29,7 @@ use glam::Vec3;
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Plan, PlannedMap};
-use crate::raster::{Emission, Raster};
+use crate::raster::{Emission, Footprint, Raster};
 use crate::resources::Bound;
 
 use super::{Shape, Sight};
@@ -59,7 +59,7 @@ const MOMENTS: Emission = Emission {
     ],
     group: Group::MapsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Slice,
 };
 
 /// All stages.

@@ -7,7 +7,7 @@
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::plan::{Plan, PlannedMap};
-use crate::raster::{Emission, Raster};
+use crate::raster::{Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::Module;
 
@@ -35,7 +35,7 @@ pub(crate) const SLABS: Emission = Emission {
     ],
     group: Group::MapsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Slice,
 };
 
 /// Settings of opacity shadow maps.

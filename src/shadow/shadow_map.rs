@@ -7,7 +7,7 @@
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Plan, PlannedMap};
-use crate::raster::{Emission, Raster};
+use crate::raster::{Emission, Footprint, Raster};
 use crate::resources::Bound;
 
 use super::{Shape, Sight};
@@ -30,7 +30,7 @@ pub(crate) const DEPTH: Emission = Emission {
     files: NEAREST,
     group: Group::MapsWritten,
     touch_only: true,
-    centre_only: true,
+    footprint: Footprint::Centre,
 };
 
 /// What exp(-Ω) of a full shadow is taken to be: Ω as an opaque fibre's.

@@ -4,7 +4,7 @@ use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey};
 use crate::layout::{OVERFLOW_WORDS, SCAN_BLOCK};
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
 use crate::shading::Shader;
@@ -25,7 +25,7 @@ const COUNT: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: true,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 const RANGE: Emission = Emission {
     label: "pelage.transparency.a_buffer.overflow_range",

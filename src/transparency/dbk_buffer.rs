@@ -15,7 +15,7 @@ use crate::geometry::{self, Projection};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::layout::HOST_TILE;
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster, Rasteriser};
+use crate::raster::{self, Draw, Emission, Footprint, Raster, Rasteriser};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
 use crate::shading::Shader;
@@ -38,7 +38,7 @@ const BINS: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 const STORE: Store = Store {
     range: Emission {

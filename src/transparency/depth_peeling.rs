@@ -5,7 +5,7 @@ use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::layout::{Counters, OVERFLOW_WORDS};
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::Module;
 use crate::transparency::{Fragments, Needs, nearest};
@@ -25,7 +25,7 @@ const FIRST_KEY: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 const KEY: Emission = Emission {
     label: "pelage.transparency.depth_peeling.key",

@@ -5,7 +5,7 @@ use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes};
 use crate::layout::OVERFLOW_WORDS;
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
 use crate::transparency::a_buffer::{self, validate_pool};
@@ -25,7 +25,7 @@ const INSERT: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 
 /// The most failures that can be asked for.

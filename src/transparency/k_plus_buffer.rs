@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
 use crate::transparency::k_buffer::{Rest, rest_word, validate_k};
@@ -23,7 +23,7 @@ const INSERT_64: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 const INSERT_32: Emission = Emission {
     label: "pelage.transparency.k_plus_buffer.insert_32",

@@ -10,7 +10,7 @@
 use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::Module;
 use crate::transparency::{Fragments, Needs};
@@ -26,7 +26,7 @@ const RANGE: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 const MOMENTS: Emission = Emission {
     label: "pelage.transparency.moment.moments",

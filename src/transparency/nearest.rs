@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes};
 use crate::memory::Viewport;
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission};
+use crate::raster::{self, Draw, Emission, Footprint};
 use crate::resources::Bound;
 
 const NEAREST: Emission = Emission {
@@ -17,7 +17,7 @@ const NEAREST: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 const WINNER: Emission = Emission {
     label: "pelage.transparency.nearest.winner",

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::transparency::{Fragments, Needs};
 
@@ -17,7 +17,7 @@ const NEAREST: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 const WINNER: Emission = Emission {
     label: "pelage.transparency.opaque.winner",

@@ -7,7 +7,7 @@
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
 use crate::transparency::{Fragments, Needs};
@@ -23,7 +23,7 @@ const NEAREST: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 const WINNER: Emission = Emission {
     label: "pelage.transparency.random_subsets.winner",

@@ -7,7 +7,7 @@ use crate::error::{Error, Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, RenderSpec, workgroups};
 use crate::layout::Projected;
 use crate::plan::{Band, Plan};
-use crate::raster::Draw;
+use crate::raster::{Draw, Footprint};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
 use crate::transparency::{Fragments, Needs, nearest};
@@ -191,7 +191,7 @@ pub(crate) fn sort_module() -> Module {
         "transparency/sorted_blending_sort",
     ])
     .with("TOUCH_ONLY", Constant::Bool(true))
-    .with("CENTRE_ONLY", Constant::Bool(false))
+    .with("FOOTPRINT", Constant::U32(Footprint::Square as u32))
 }
 
 /// Sorts all segments.
@@ -251,7 +251,7 @@ pub(crate) fn draw_module() -> Module {
         "transparency/sorted_blending_draw",
     ])
     .with("TOUCH_ONLY", Constant::Bool(false))
-    .with("CENTRE_ONLY", Constant::Bool(false))
+    .with("FOOTPRINT", Constant::U32(Footprint::Square as u32))
 }
 
 /// Each over, or under, what is there; premultiplied.

@@ -3,7 +3,7 @@
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
-use crate::raster::{self, Draw, Emission, Raster};
+use crate::raster::{self, Draw, Emission, Footprint, Raster};
 use crate::resources::Bound;
 use crate::shader::Module;
 use crate::transparency::{Fragments, Needs, nearest};
@@ -20,7 +20,7 @@ const SUM: Emission = Emission {
     ],
     group: Group::PixelsWritten,
     touch_only: false,
-    centre_only: false,
+    footprint: Footprint::Square,
 };
 
 /// All stages.
