@@ -14,6 +14,12 @@
 // Whether the invocation's segment need not be compared with the host's depth.
 var<private> segment_in_front: bool;
 
+// How far beyond its joint a segment counts as beside it, in half-widths. Of 0, ¼, ½, 1 and √3 the closest to the supersampled area
+// of bent strands 1 to 10 px wide; at 0.1 px all are alike.
+const SEGMENT_BESIDE_JOINT: f32 = 0.5;
+// Shorter segments have the direction of the strand around their start.
+const SEGMENT_DIRECTION_PX: f32 = 0.00390625;
+
 struct Segment {
     start: vec2f,
     end: vec2f,
@@ -91,7 +97,7 @@ fn segment(index: u32) -> Segment {
     s.end_plane = unpack2x16snorm(projected[index + 1u].bisector);
     let offset = s.end - s.start;
     s.length = length(offset);
-    if s.length > 1e-6 {
+    if s.length > SEGMENT_DIRECTION_PX {
         s.tangent = offset / s.length;
         s.inverse_length = 1.0 / s.length;
     } else {
@@ -168,10 +174,14 @@ fn segment_fragment(s: Segment, centre: vec2f, near_end: bool) -> Fragment {
     fragment.point = s.point;
     let support = s.footprint.support;
     // A strand's end cuts every segment within a footprint of it, not only the last one.
-    let start = -along - s.before;
-    let end = s.length - along + s.after;
+    var start = -along - s.before;
+    var end = s.length - along + s.after;
     fragment.touched = abs(across) < half_width + support;
     if near_end {
+        // Beside a joint, on its outer side, the strand is no farther along than the joint.
+        let beside = min(SEGMENT_BESIDE_JOINT * half_width, s.before + s.length + s.after);
+        start -= clamp(-along, 0.0, select(beside, 0.0, s.starts));
+        end += clamp(along - s.length, 0.0, select(beside, 0.0, s.ends));
         fragment.touched = fragment.touched && start < support && end > -support
             && (CENTRE_ONLY || coverage_touches(s.normal, across, half_width, max(start, -2.0), min(end, 2.0)));
     }
