@@ -10,9 +10,9 @@
 //! the screen times its width: the band is cut across, as far along it as the strand goes on, bends straightened out. So cuts are
 //! parallel, and a strand that is far shorter than wide, or points at the eye, shows next to nothing, whichever
 //! way its last points happen to lie; cuts at right angles to its first and to its last segment would leave a wedge of all its
-//! width between them. Where a centre lies beyond a joint, on the outer side of the bend, the strand there is the joint, swept
-//! round: what lies beyond does not count as length, up to half the half-width, and no more than [`BESIDE_PER_LENGTH`]
-//! times the strand's whole length.
+//! width between them. Where a centre lies beyond a joint, on the outer side of the bend, the strand there is the joint swept
+//! round: of what lies beyond, half the half-width does not count as length, and of the rest no more than 1 - ½√2; but no pixel
+//! is covered over more than twice the strand's length.
 //!
 //! An end is also where the near plane cuts, and where a strand turns by more than 120°: what follows is a new crossing.
 //!
@@ -33,12 +33,15 @@ pub const SHORTEST_DIRECTION: f64 = 1.0 / 256.0;
 /// Where a strand goes on for so many pixels, its end is out of a pixel's reach.
 const REACH: f64 = 1.0;
 
-/// How far beyond its joint a segment counts as beside it, in half-widths: of 0, ¼, ½, 1 and √3 the one whose areas are closest to
+/// Up to how far beyond its joint a segment is beside it, in half-widths: of 0, ¼, ½, 1 and √3 the one whose areas are closest to
 /// the supersampled ones of bent strands 1 to 10 px wide; those of thinner ones differ little.
 const BESIDE_JOINT: f64 = 0.5;
 
-/// The same, in lengths of the whole strand.
-pub const BESIDE_PER_LENGTH: f64 = 1.0;
+/// How much may count, in pixels, of what lies beyond that: 1 - ½√2, so that no end that is [`REACH`] behind the joint cuts a pixel.
+const MOST_BEYOND: f64 = 1.0 - FRAC_1_SQRT_2;
+
+/// How much of a pixel's way along the band a strand covers at most, in its own lengths.
+const MOST_OF_LENGTH: f64 = 2.0;
 
 /// The cosine of the greatest turn, 120°, across which pixels are shared out.
 const SHARPEST_JOINT: f64 = -0.5;
@@ -259,14 +262,21 @@ impl Crossing {
             half_width: start.half_width + (end.half_width - start.half_width) * t,
         };
 
-        // How far from the segment's own ends those of the strand are, and how far the centre lies beyond each joint.
+        // How far from the segment's own ends those of the strand are, and how much of what lies beyond a joint counts.
         let before = piece.arc;
         let after = self.length - piece.arc - piece.length;
-        let beside = (BESIDE_JOINT * band.half_width).min(BESIDE_PER_LENGTH * self.length);
-        let beyond =
-            |joint: Option<Joint>, over: f64| joint.map_or(0.0, |_| over.clamp(0.0, beside));
-        let first = -before - beyond(piece.behind, -along);
-        let last = piece.length + after + beyond(piece.ahead, along - piece.length);
+        let beside = BESIDE_JOINT * band.half_width;
+        let counted = |over: f64| (over - beside).clamp(0.0, MOST_BEYOND);
+        let most = MOST_OF_LENGTH * self.length;
+        let (first, last) = if piece.behind.is_some() && along < 0.0 {
+            let first = along - before + counted(-along);
+            (first, (piece.length + after).min(first + most))
+        } else if piece.ahead.is_some() && along > piece.length {
+            let last = along + after - counted(along - piece.length);
+            ((-before).max(last - most), last)
+        } else {
+            (-before, piece.length + after)
+        };
         let cut = |place: f64, normal: DVec2| HalfPlane {
             point: start.pixel + piece.direction * place,
             normal,

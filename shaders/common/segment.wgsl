@@ -17,6 +17,8 @@ var<private> segment_in_front: bool;
 // How far beyond its joint a segment counts as beside it, in half-widths. Of 0, ¼, ½, 1 and √3 the closest to the supersampled area
 // of bent strands 1 to 10 px wide; at 0.1 px all are alike.
 const SEGMENT_BESIDE_JOINT: f32 = 0.5;
+// How much may count of what lies beyond a joint: less than would bring an end into a pixel's reach that is a pixel behind the joint.
+const SEGMENT_MOST_BEYOND: f32 = 0.2928;
 // Shorter segments have the direction of the strand around their start.
 const SEGMENT_DIRECTION_PX: f32 = 0.00390625;
 
@@ -178,10 +180,16 @@ fn segment_fragment(s: Segment, centre: vec2f, near_end: bool) -> Fragment {
     var end = s.length - along + s.after;
     fragment.touched = abs(across) < half_width + support;
     if near_end {
-        // Beside a joint, on its outer side, the strand is no farther along than the joint.
-        let beside = min(SEGMENT_BESIDE_JOINT * half_width, s.before + s.length + s.after);
-        start -= clamp(-along, 0.0, select(beside, 0.0, s.starts));
-        end += clamp(along - s.length, 0.0, select(beside, 0.0, s.ends));
+        // Beyond a joint, on the bend's outer side, the strand is the joint swept round: what lies beyond counts little, and a strand
+        // shows no more than twice its length.
+        let back = select(max(-along, 0.0), 0.0, s.starts);
+        let past = select(max(along - s.length, 0.0), 0.0, s.ends);
+        let beside = SEGMENT_BESIDE_JOINT * half_width;
+        start -= back - clamp(back - beside, 0.0, SEGMENT_MOST_BEYOND);
+        end += past - clamp(past - beside, 0.0, SEGMENT_MOST_BEYOND);
+        let most = 2.0 * (s.before + s.length + s.after);
+        start = select(max(start, end - most), start, back > 0.0);
+        end = min(end, start + most);
         fragment.touched = fragment.touched && start < support && end > -support
             && (CENTRE_ONLY || coverage_touches(s.normal, across, half_width, max(start, -2.0), min(end, 2.0)));
     }
