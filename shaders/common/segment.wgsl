@@ -4,6 +4,10 @@
 // ends. There its coverage is that of the unbounded band, clipped only at the strand's own ends. Both segments of a
 // joint evaluate the same plane, so that every pixel has exactly one owner.
 //
+// A fibre is a tube without caps, worth its length on the screen times its width. A strand's end cuts every band within a pixel of it
+// straight across, as far along the band as the strand goes on: so a strand far shorter than wide, or one that points at the eye,
+// shows next to nothing, however its last points lie. Cuts at right angles to its first and to its last segment would open a wedge.
+//
 // Where the header says TOUCH_ONLY no coverage is found, only which pixels the fibre touches: enough for a front and for
 // a count. With CENTRE_ONLY it is those whose centres the fibre covers, as the hardware samples a triangle.
 
