@@ -13,8 +13,11 @@
 @group(1) @binding(2) var<storage, read_write> projected_out: array<Projected>;
 @group(1) @binding(3) var<storage, read> host_tiles: array<vec2u>;
 
-// Points closer than this on the screen give no direction.
+// Points closer than this on the screen coincide.
 const PROJECT_COINCIDENT_PX: f32 = 1e-4;
+// Points no farther than this from each other on the screen tell no direction: what single precision gets wrong of a place in an
+// image of 1000 pixels, 1e-4, turns what is longer by less than 0.03. So a segment that points at the eye turns no joint.
+const PROJECT_DIRECTION_PX: f32 = 0.00390625;
 // How many neighbours are looked at in search of a direction and of an end within a pixel.
 const PROJECT_SEARCH: u32 = 64u;
 
@@ -54,9 +57,9 @@ fn project_cut(behind: vec3f, before: vec3f) -> vec3f {
 
 // What one side of a point looks like.
 struct ProjectSide {
-    // On the screen: unit direction towards the next distinct point; zero where there is none.
+    // On the screen: unit direction towards the nearest point that tells one; zero where there is none.
     direction: vec2f,
-    // Along the strand to its end on the screen, or 1 where that is farther.
+    // Along the strand to its end on the screen, or to a turn as sharp as one, or 1 where that is farther.
     distance: f32,
     // Unit direction towards the next distinct point.
     tangent: vec3f,
@@ -65,7 +68,9 @@ struct ProjectSide {
 fn project_side(index: u32, position: vec3f, forward: bool) -> ProjectSide {
     let stop = select(POINT_FIRST, POINT_LAST, forward);
     var side = ProjectSide(vec2f(0.0), 0.0, vec3f(0.0));
-    var here = project_pixel(project_clip(position));
+    let own = project_pixel(project_clip(position));
+    var here = own;
+    var last = vec2f(0.0);
     var at = index;
     var measured = false;
     for (var step = 0u; step < PROJECT_SEARCH; step++) {
@@ -82,9 +87,16 @@ fn project_side(index: u32, position: vec3f, forward: bool) -> ProjectSide {
             let there = project_pixel(project_clip(neighbour));
             let offset = there - here;
             let distance = length(offset);
-            if all(side.direction == vec2f(0.0)) && distance > PROJECT_COINCIDENT_PX { side.direction = offset / distance; }
-            side.distance += distance;
-            measured = cut || side.distance >= 1.0;
+            if all(side.direction == vec2f(0.0)) {
+                let way = there - own;
+                if length(way) > PROJECT_DIRECTION_PX { side.direction = normalize(way); }
+            }
+            let tells = distance > PROJECT_DIRECTION_PX;
+            let unit = select(last, offset / distance, tells);
+            let turned = dot(last, unit) < -0.5;
+            last = unit;
+            if !turned { side.distance += distance; }
+            measured = turned || cut || side.distance >= 1.0;
             // Points that coincide are measured from the last distinct one.
             if distance > PROJECT_COINCIDENT_PX { here = there; } else if !measured { side.distance -= distance; }
         }
@@ -299,6 +311,8 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     if (flags & PROJECTED_CUT_END) == 0u { after = project_side(index, position, true); }
     // Both directions lead away from the point: a straight strand has -1 here, a turn of more than 120° above ½.
     if dot(before.direction, after.direction) > 0.5 { flags |= PROJECTED_BREAK; }
+    // A strand shorter than what tells a direction covers nothing.
+    if all(before.direction == vec2f(0.0)) && all(after.direction == vec2f(0.0)) { flags |= PROJECTED_UNSEEN; }
     let sum = after.direction - before.direction;
     let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
 
