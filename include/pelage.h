@@ -2021,7 +2021,7 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 0.7f, 0.0f, 1.0f, 0.0f, 0, 1.0f }
 #define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 16, 1, 1.0f, 0, { 0.0f, 0.0f, 0.0f } }
-#define PELAGE_MOMENT_OPACITY_MAP_INIT { sizeof(PelageMomentOpacityMap), 512, 6, 3, { 0.0f, 0.0f, 0.0f }, 0 }
+#define PELAGE_MOMENT_OPACITY_MAP_INIT { sizeof(PelageMomentOpacityMap), 512, 6, 1, { 0.0f, 0.0f, 0.0f }, 0 }
 #define PELAGE_K_BUFFER_VOLUME_INIT { sizeof(PelageKBufferVolume), 512, 16, 3, 1, 0, 1.55f, { 0.0f, 0.0f, 0.0f }, 0 }
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_SHADOW_MAP_INIT { sizeof(PelageShadowMap), 512, 5, 1.0f, 0 }

@@ -113,7 +113,7 @@ impl Default for MomentOpacityMap {
         Self {
             resolution: 512,
             moments: 6,
-            pcf: 3,
+            pcf: 1,
             transmitted: Vec3::ZERO,
             raster: Raster::Auto,
         }
