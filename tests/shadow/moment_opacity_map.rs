@@ -91,45 +91,54 @@ fn texels(device: &mut Device, groom: BuiltinGroom, opacity: f64) -> Vec<Texel> 
         .collect()
 }
 
-/// RMSE of the transmittance that reaches each fibre, by a model that makes a function of a texel. Asked is half-way
-/// to the fibre before.
-fn error(texels: &[Texel], model: impl Fn(&Texel, f64) -> f64) -> f64 {
+/// Fibres of a texel that are asked about: most of what a picture shows lies close behind the front.
+const SHOWN: usize = 8;
+
+/// RMSE of the transmittance that reaches the fibres behind the first one, by a model's transmittance at the numbered fibre of a texel.
+fn error(texels: &[Texel], model: impl Fn(&Texel, usize) -> f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for texel in texels {
         let mut before = 0.0;
-        for pair in texel.windows(2) {
-            before += pair[0].1;
-            let at = 0.5 * (pair[0].0 + pair[1].0);
-            sum += ((-model(texel, at)).exp() - (-before).exp()).powi(2);
+        for at in 1..texel.len().min(SHOWN) {
+            before += texel[at - 1].1;
+            sum += (model(texel, at) - (-before).exp()).powi(2);
             count += 1.0;
         }
     }
     f64::sqrt(sum / count)
 }
 
+/// Of the error of Fourier series, and of moments at even depths: 0.55 and 0.72 were measured at most.
+const FOURIER: f64 = 0.65;
+const EVEN: f64 = 0.8;
+
 /// The choice of the technique, made again, with even depths behind the front and with the technique's for all: at equal bytes
-/// moments err less than Fourier series on the whole, and less than they do at even depths. Over all fibres, hidden ones too, layers
-/// at these depths err less than either in opaque hair.
+/// moments err less than Fourier series and than layers, and less than they do at even depths.
 #[test]
-fn moments_err_less_per_byte_than_fourier_series_and_at_even_depths() {
+fn moments_err_less_per_byte_than_fourier_series_and_layers() {
     let Some(mut device) = device() else { return };
-    let mut ratios = Vec::new();
     for groom in [BuiltinGroom::Straight, BuiltinGroom::Curly] {
         for opacity in [0.3, 1.0] {
             let texels = texels(&mut device, groom, opacity);
             let even = |behind: f64| 2.0 * behind - 1.0;
             for m in [4, 6] {
+                // At the fibre, without it.
                 let of_moments = |place: fn(f64) -> f64| {
-                    error(&texels, |texel, d| {
+                    error(&texels, |texel, at| {
                         let steps = placed(texel, place);
-                        let bounds = [0.0, 1.0].map(|part| model(&steps, m, place(d), 0.0, part));
-                        let [least, most] = bounds.map(|before| (-before).exp());
-                        -(least + PART * (most - least)).ln()
+                        let (x, own) = steps[at];
+                        let [least, most] =
+                            [0.0, 1.0].map(|part| (-model(&steps, m, x, own, part)).exp());
+                        least + PART * (most - least)
                     })
                 };
+                // Half-way to the fibre before, where they err less.
                 let others = |place: fn(f64) -> f64| {
                     let of = |model: &dyn Fn(&Texel, f64) -> f64| {
-                        error(&texels, |texel, d| model(&placed(texel, place), place(d)))
+                        error(&texels, |texel, at| {
+                            let half_way = 0.5 * (texel[at - 1].0 + texel[at].0);
+                            (-model(&placed(texel, place), place(half_way))).exp()
+                        })
                     };
                     [
                         of(&|texel, x| fourier_optical_depth(&fourier(texel, m / 2), x, false)),
@@ -146,17 +155,12 @@ fn moments_err_less_per_byte_than_fourier_series_and_at_even_depths() {
                     others[0],
                     others[1]
                 );
-                let [fourier, damped] = [0, 1].map(|i| others[0][i].min(others[1][i]));
-                assert!(own < 0.9 * of_moments(even));
-                ratios.push(own / fourier.min(damped));
+                let best = |i: usize| others[0][i].min(others[1][i]);
+                let [fourier, layers] = [best(0).min(best(1)), best(2)];
+                assert!(own < FOURIER * fourier && own < layers && own < EVEN * of_moments(even));
             }
         }
     }
-    let [mean, most] = [
-        ratios.iter().sum::<f64>() / ratios.len() as f64,
-        ratios.iter().copied().fold(0.0, f64::max),
-    ];
-    assert!(mean < 0.9 && most < 1.1, "{ratios:.3?}");
 }
 
 #[test]
