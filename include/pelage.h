@@ -1687,6 +1687,14 @@ PelageResult pelage_hair_create_builtin(struct PelageContext context,
                                         uint64_t strand_count,
                                         struct PelageHair *hair);
 
+// States in `*bytes` the GPU memory that a hair of strands will take, in bytes, before it is made. As much work as
+// `pelage_hair_create_from_strands`, but for the upload; allocates no GPU memory.
+//
+// Errors: as that function's.
+PelageResult pelage_hair_memory_estimate(struct PelageContext context,
+                                         const struct PelageStrands *strands,
+                                         uint64_t *bytes);
+
 // Destroys a hair. Frames that were rendered with it are not touched.
 PelageResult pelage_hair_destroy(struct PelageHair hair);
 
@@ -1864,7 +1872,8 @@ PelageResult pelage_render_timed(struct PelageContext context,
 
 // States in `*estimate`, begun with `PELAGE_MEMORY_ESTIMATE_INIT`, the GPU memory that the context will hold once `frame` has
 // been rendered with `flags` into a target like `*target`, which need not exist. It follows from the techniques, the hairs,
-// the size, `pool_bytes` and the byte budget, and from what the last frames left. Renders and allocates nothing.
+// the size, `pool_bytes` and the byte budget, and from what the last frames left. Renders and allocates nothing. A view's
+// occluders and shadow images take nothing more; of a view that writes these alone `PELAGE_RENDER_SHADOWS_ONLY` says so.
 //
 // Errors: as `pelage_render`, but for memory.
 PelageResult pelage_frame_memory_estimate(struct PelageContext context,
@@ -2012,7 +2021,7 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_CHIANG_INIT { sizeof(PelageChiang), 0.3f, 0.3f, 0.034906585f, 1.55f, { 0.54469997f, 0.9061f, 1.7809999f }, { 1.0f, 1.0f, 1.0f }, 32, 64, 0, 0, 1.0f, 0.7f, 0.0f, 1.0f, 0.0f, 0, 1.0f }
 #define PELAGE_SHADING_INIT { sizeof(PelageShading), 0, NULL, NULL, NULL, NULL, NULL, 0, 0 }
 #define PELAGE_DEEP_OPACITY_MAP_INIT { sizeof(PelageDeepOpacityMap), 512, 16, 1, 1.0f, 0, { 0.0f, 0.0f, 0.0f } }
-#define PELAGE_MOMENT_OPACITY_MAP_INIT { sizeof(PelageMomentOpacityMap), 512, 6, 3, { 0.0f, 0.0f, 0.0f }, 0 }
+#define PELAGE_MOMENT_OPACITY_MAP_INIT { sizeof(PelageMomentOpacityMap), 512, 6, 1, { 0.0f, 0.0f, 0.0f }, 0 }
 #define PELAGE_K_BUFFER_VOLUME_INIT { sizeof(PelageKBufferVolume), 512, 16, 3, 1, 0, 1.55f, { 0.0f, 0.0f, 0.0f }, 0 }
 #define PELAGE_SHADOW_INIT { sizeof(PelageShadow), 1, NULL, NULL, NULL, NULL, NULL, NULL }
 #define PELAGE_SHADOW_MAP_INIT { sizeof(PelageShadowMap), 512, 5, 1.0f, 0 }

@@ -18,6 +18,9 @@ pub struct Viewport {
     pub write_depth: bool,
     /// What else is written.
     pub outputs: WantedOutputs,
+    /// Shadow images alone are written ([`Target::shadows_only`]): then there are no pixels' buffers. Those images, like occluders
+    /// and a received shadow, take nothing of the renderer's memory.
+    pub shadows_only: bool,
 }
 
 impl From<&Target<'_>> for Viewport {
@@ -35,6 +38,7 @@ impl From<&Target<'_>> for Viewport {
                 motion: outputs.motion.is_some(),
                 ids: outputs.ids.is_some(),
             },
+            shadows_only: target.shadows_only,
         }
     }
 }

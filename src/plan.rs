@@ -328,7 +328,7 @@ impl Plan {
             shadings: frame.hairs.iter().map(|hair| hair.shading).collect(),
             materials: Vec::new(),
             shadow: Shadow::None,
-            shadows_only: target.is_some_and(|target| target.shadows_only),
+            shadows_only: viewport.shadows_only,
             reverse_z: frame.view.reverse_z,
             host_depth: viewport.depth,
             sought,

@@ -7,7 +7,9 @@ fn moment_sum(texel: u32, sum: u32, carries: u32) -> f32 {
 
 fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let words = frame.lights[light].layer_count;
-    let texel = frame.shadow_views[map].layer_base + (place.y * frame.lights[light].resolution + place.x) * words;
+    let at = place.y * frame.lights[light].resolution + place.x;
+    let texel = frame.shadow_views[map].layer_base + at * words;
+    let front = shadow_front(shadow_maps[frame.shadow_views[map].front_base + at]);
     let carries = shadow_maps[texel + words - 1u];
     let total = moment_sum(texel, 0u, carries);
     // The point stands where its own fibre lies in this texel, whose mass is taken off there: a place beside it would have
@@ -15,13 +17,14 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let own = shadow_own(place);
     let before = select(depth, own.depth, own.optical_depth > 0.0);
     let own_mass = min(own.optical_depth, MOMENT_OPAQUE);
-    let x = 2.0 * before / frame.shadow_views[map].values.x - 1.0;
-    if total == 0.0 || !(x > -1.0) { return ShadowTexel(vec3f(1.0), 0.0); }
+    let behind = before - front;
+    if total == 0.0 || !(behind > 0.0) { return ShadowTexel(vec3f(1.0), 0.0); }
+    let x = moment_place(behind / frame.shadow_views[map].values.x);
     if (carries & MOMENT_OVERFLOWED) != 0u {
-        return shadow_passed(MOMENT_OVERFLOW_DEPTH * 0.5 * (min(x, 1.0) + 1.0), map);
+        return shadow_passed(MOMENT_OVERFLOW_DEPTH * 0.5 * (x + 1.0), map);
     }
     // Behind all hair nothing is left to guess.
-    if x >= 1.0 { return shadow_passed(max(total / MOMENT_SCALE - own_mass, 0.0), map); }
+    if before >= frame.shadow_views[map].values.y { return shadow_passed(max(total / MOMENT_SCALE - own_mass, 0.0), map); }
     let six = words == 8u;
     let kept = 1.0 - min(MOMENT_BIAS + MOMENT_BIAS_STEPS / total, 1.0);
     var b: array<f32, 6>;

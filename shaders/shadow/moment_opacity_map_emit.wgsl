@@ -1,11 +1,14 @@
-// Moment opacity map, as the rasterisers fill it: one pass, since depths are those of the whole map and no front is
-// needed first.
+// Moment opacity map, as the rasterisers fill it. Stage FRONT finds the nearest depth of each texel; stage MOMENTS adds each
+// fragment's -ln(1 - opacity) at its place behind the front.
+
+const STAGE_FRONT: u32 = 0u;
+const STAGE_MOMENTS: u32 = 1u;
 
 var<private> map_scale: f32;
 
 fn emit_begin() -> bool {
     map_begin();
-    map_scale = 2.0 / drawing.map_values.x;
+    map_scale = 1.0 / drawing.map_values.x;
     return true;
 }
 
@@ -21,10 +24,16 @@ fn moment_add(texel: u32, sum: u32, value: f32) {
 }
 
 fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
-    let texel = map_layers + (pixel.y * map_width + pixel.x) * map_layer_count;
+    if STAGE == STAGE_FRONT {
+        map_nearest(pixel, fragment.depth);
+        return;
+    }
+    let place = pixel.y * map_width + pixel.x;
+    let texel = map_layers + place * map_layer_count;
     let mass = min(optical_depth(fragment.opacity), MOMENT_OPAQUE) * MOMENT_SCALE;
     if mass < 0.5 { return; }
-    let x = clamp(fragment.depth * map_scale - 1.0, -1.0, 1.0);
+    let front = shadow_front(atomicLoad(&shadow_maps[map_fronts + place]));
+    let x = moment_place(max(fragment.depth - front, 0.0) * map_scale);
     moment_add(texel, 0u, mass);
     var before = 1.0;
     var polynomial = x;

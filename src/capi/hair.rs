@@ -281,6 +281,31 @@ pub unsafe extern "C" fn pelage_hair_create_builtin(
     unsafe { create(context, hair, make) }
 }
 
+/// States in `*bytes` the GPU memory that a hair of strands will take, in bytes, before it is made. As much work as
+/// `pelage_hair_create_from_strands`, but for the upload; allocates no GPU memory.
+///
+/// Errors: as that function's.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn pelage_hair_memory_estimate(
+    context: PelageContext,
+    strands: *const PelageStrands,
+    bytes: *mut u64,
+) -> PelageResult {
+    guard(|| {
+        context.check()?;
+        // SAFETY: the rule of the module `capi`.
+        let (strands, bytes) = unsafe {
+            let bytes = output("bytes", bytes)?;
+            (read_strands("strands", strands)?, bytes)
+        };
+        let found = context.with(|State { host, .. }| {
+            host.with_renderer(|renderer| renderer.hair_memory_estimate(&strands))
+        })?;
+        bytes.write(found);
+        Ok(())
+    })
+}
+
 /// Destroys a hair. Frames that were rendered with it are not touched.
 #[unsafe(no_mangle)]
 pub extern "C" fn pelage_hair_destroy(hair: PelageHair) -> PelageResult {

@@ -108,7 +108,8 @@ descriptor!(PelageMemoryEstimate, "PELAGE_MEMORY_ESTIMATE_INIT", bytes_raster: u
 
 /// States in `*estimate`, begun with `PELAGE_MEMORY_ESTIMATE_INIT`, the GPU memory that the context will hold once `frame` has
 /// been rendered with `flags` into a target like `*target`, which need not exist. It follows from the techniques, the hairs,
-/// the size, `pool_bytes` and the byte budget, and from what the last frames left. Renders and allocates nothing.
+/// the size, `pool_bytes` and the byte budget, and from what the last frames left. Renders and allocates nothing. A view's
+/// occluders and shadow images take nothing more; of a view that writes these alone `PELAGE_RENDER_SHADOWS_ONLY` says so.
 ///
 /// Errors: as `pelage_render`, but for memory.
 #[unsafe(no_mangle)]
@@ -121,7 +122,7 @@ pub unsafe extern "C" fn pelage_frame_memory_estimate(
 ) -> PelageResult {
     guard(|| {
         context.check()?;
-        let flags = self::flags("flags", flags, ALL_FLAGS)?;
+        let flags = self::flags("flags", flags, ALL_FLAGS | PELAGE_RENDER_SHADOWS_ONLY)?;
         // SAFETY: the rule of the module `capi`.
         let (given, target) = unsafe {
             (
@@ -138,6 +139,7 @@ pub unsafe extern "C" fn pelage_frame_memory_estimate(
             depth: target.with_depth != 0,
             write_depth: flags & PELAGE_RENDER_WRITE_DEPTH != 0,
             outputs: wanted_outputs(target.outputs)?,
+            shadows_only: flags & PELAGE_RENDER_SHADOWS_ONLY != 0,
         };
         let found = context.with(|State { host, hairs, .. }| {
             let hairs = given.hairs(hairs)?;

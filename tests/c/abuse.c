@@ -68,13 +68,19 @@ static PelageHair strands_in(PelageContext context) {
     static const float positions[] = { -1, -1, 0, 0, 0.2f, 0, 1, 1, 0, 1, -1, 0.1f, -1, 1, 0.1f };
     static const uint32_t counts[] = { 3, 2 };
     PelageStrands strands = PELAGE_STRANDS_INIT;
+    PelageStatistics before = PELAGE_STATISTICS_INIT, after = PELAGE_STATISTICS_INIT;
+    uint64_t bytes = 0;
     PelageHair hair = { 0 };
     strands.positions = positions;
     strands.point_count = 5;
     strands.counts = counts;
     strands.strand_count = 2;
     strands.root_radius = strands.tip_radius = 0.1f;
+    EXPECT(PELAGE_OK, pelage_hair_memory_estimate(context, &strands, &bytes));
+    EXPECT(PELAGE_OK, pelage_statistics(context, &before));
     EXPECT(PELAGE_OK, pelage_hair_create_from_strands(context, &strands, &hair));
+    EXPECT(PELAGE_OK, pelage_statistics(context, &after));
+    EXPECT_TRUE(after.bytes_total - before.bytes_total == bytes);
     return hair;
 }
 
@@ -131,18 +137,20 @@ static void misuse(PelageContext context) {
     PelageStrands strands = PELAGE_STRANDS_INIT;
     PelageFile file = PELAGE_FILE_INIT;
     PelageHair hair = { 77 }, null = { 0 };
+    uint64_t bytes = 7;
     for (uint32_t at = 0; at < 100; at++) {
         strands.positions = nan_position;
         strands.point_count = strands.strand_count = 1;
         strands.counts = &one;
         EXPECT(PELAGE_INVALID_VALUE, pelage_hair_create_from_strands(context, &strands, &hair));
+        EXPECT(PELAGE_INVALID_VALUE, pelage_hair_memory_estimate(context, &strands, &bytes));
         strands.point_count = UINT64_MAX / 2;
         EXPECT(PELAGE_INVALID_VALUE, pelage_hair_create_from_strands(context, &strands, &hair));
         file.bytes = "HAIRHAIRHAIR";
         file.size = at % 13;
         EXPECT(PELAGE_INVALID_FILE, pelage_hair_create_from_file(context, &file, &hair));
         EXPECT(PELAGE_INVALID_HANDLE, pelage_hair_set_opacity(null, 1.0f));
-        EXPECT_TRUE(hair.id == 77);
+        EXPECT_TRUE(hair.id == 77 && bytes == 7);
         EXPECT_TRUE(strlen(pelage_last_error()) > 0);
     }
 }

@@ -94,6 +94,7 @@ fn context_calls(context: PelageContext) -> Vec<PelageResult> {
             pelage_bytes_by_label(context, 0, std::ptr::null_mut(), &mut count),
             pelage_pass_times(context, 0, std::ptr::null_mut(), &mut count),
             pelage_hair_create_from_strands(context, &arrays.strands(), &mut hair),
+            pelage_hair_memory_estimate(context, &arrays.strands(), &mut count),
             pelage_hair_create_interpolated_on_mesh(
                 context,
                 &arrays.strands(),

@@ -331,6 +331,55 @@ fn a_frame_states_its_memory_before_it_is_rendered() {
 }
 
 #[test]
+fn shadow_images_alone_need_no_pixels_buffers() {
+    let context = Context::new();
+    let (lights, view, hairs) = ([PelageLight::default()], view(), [context.hair()]);
+    let frame = frame(&hairs, &lights, &view);
+    let image = PelageTargetDescriptor {
+        width: SIDE,
+        height: SIDE,
+        with_depth: 1,
+        ..Default::default()
+    };
+    let [all, few] = [0, PELAGE_RENDER_SHADOWS_ONLY].map(|flags| {
+        let mut estimate = PelageMemoryEstimate::default();
+        // SAFETY: the frame points to values that live; the other pointers are to values of their types.
+        ok(unsafe {
+            pelage_frame_memory_estimate(context.0, &frame, &image, flags, &mut estimate)
+        });
+        estimate
+    });
+    assert_eq!(few.bytes_shadow, all.bytes_shadow);
+    assert!(few.bytes_transparency < all.bytes_transparency);
+}
+
+#[test]
+fn a_hair_states_its_memory_before_it_is_made() {
+    let context = Context::new();
+    let arrays = Arrays::crossing();
+    let estimate = |strands: &PelageStrands, bytes: *mut u64| {
+        // SAFETY: the arrays are as large as they say; the result is NULL or a value of its type.
+        unsafe { pelage_hair_memory_estimate(context.0, strands, bytes) }
+    };
+    let mut bytes = 7;
+    let short = PelageStrands {
+        point_count: 4,
+        ..arrays.strands()
+    };
+    wrong(estimate(&short, &mut bytes), "5 points…4 are given");
+    assert_eq!(bytes, 7);
+    let null = std::ptr::null_mut();
+    wrong(estimate(&arrays.strands(), null), "bytes is NULL");
+    ok(estimate(&arrays.strands(), &mut bytes));
+    let before = context.statistics().bytes_total;
+    let mut hair = PelageHair::default();
+    // SAFETY: as above.
+    ok(unsafe { pelage_hair_create_from_strands(context.0, &arrays.strands(), &mut hair) });
+    assert_eq!(context.statistics().bytes_total - before, bytes);
+    assert!(bytes > 0);
+}
+
+#[test]
 fn statistics_count_and_lists_are_filled_up_to_their_capacity() {
     let context = Context::new();
     let (hair, target) = (context.hair(), context.target(PELAGE_FORMAT_RGBA16F, false));

@@ -21,13 +21,24 @@ use crate::common::{Device, device};
 use super::support::{OPAQUE, directional, draw, exact, image_of, light, modelled};
 
 /// As in the shader.
-const PART: f64 = 0.3;
+const PART: f64 = 0.45;
+const MIDDLE: f64 = 0.03;
 const SCALE: f64 = 65536.0;
 const MOST: f64 = 8.0;
 const DIRECTION: DVec3 = DVec3::new(-0.4, -0.8, -0.5);
 
 fn bias(total: f64) -> f64 {
     (1e-5 + 32.0 / (total * SCALE)).min(1.0)
+}
+
+/// Where a distance behind a texel's front, as a part of the hair's extent, lies in [-1, 1].
+fn place(behind: f64) -> f64 {
+    let behind = behind.max(0.0);
+    (behind - MIDDLE) / (behind + MIDDLE)
+}
+
+fn placed(texel: &Texel, place: fn(f64) -> f64) -> Texel {
+    texel.iter().map(|(d, mass)| (place(*d), *mass)).collect()
 }
 
 /// Ω before x by the technique's model, with a part of what lies at x but for the point's own there; moments of no measure say
@@ -43,7 +54,8 @@ fn model(steps: &[(f64, f64)], m: usize, x: f64, own: f64, part: f64) -> f64 {
     moments_optical_depth(&sums, x, own, bias(sums[0]), part).unwrap_or(sums[0])
 }
 
-/// What crosses a texel: places in [-1, 1] and optical depths, nearest first.
+/// What crosses a texel: places in [-1, 1], or distances behind its front as parts of the extent, and optical depths, nearest
+/// first.
 type Texel = Vec<(f64, f64)>;
 
 /// Some texels of a map of a groom.
@@ -70,53 +82,82 @@ fn texels(device: &mut Device, groom: BuiltinGroom, opacity: f64) -> Vec<Texel> 
         .iter()
         .step_by(crossed.len() / 300)
         .map(|at| {
+            let front = lists.pixel(*at)[0].depth;
             let step = |f: &pelage_reference::fragments::Fragment| {
-                (2.0 * f.depth - 1.0, -(1.0 - opacity * f.coverage).ln())
+                (f.depth - front, -(1.0 - opacity * f.coverage).ln())
             };
             lists.pixel(*at).iter().map(step).collect()
         })
         .collect()
 }
 
-/// RMSE of the transmittance that reaches each fibre, by a model that makes a function of a texel. Asked is half-way
-/// to the fibre before.
-fn error(texels: &[Texel], model: impl Fn(&Texel, f64) -> f64) -> f64 {
+/// Fibres of a texel that are asked about: most of what a picture shows lies close behind the front.
+const SHOWN: usize = 8;
+
+/// RMSE of the transmittance that reaches the fibres behind the first one, by a model's transmittance at the numbered fibre of a texel.
+fn error(texels: &[Texel], model: impl Fn(&Texel, usize) -> f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for texel in texels {
         let mut before = 0.0;
-        for pair in texel.windows(2) {
-            before += pair[0].1;
-            let at = 0.5 * (pair[0].0 + pair[1].0);
-            sum += ((-model(texel, at)).exp() - (-before).exp()).powi(2);
+        for at in 1..texel.len().min(SHOWN) {
+            before += texel[at - 1].1;
+            sum += (model(texel, at) - (-before).exp()).powi(2);
             count += 1.0;
         }
     }
     f64::sqrt(sum / count)
 }
 
-/// The choice of the technique, made again: at equal bytes moments err less than Fourier series and than layers, by 7 %
-/// where hair is thin and curly and by 40 % where it is opaque.
+/// Of the error of Fourier series, and of moments at even depths: 0.55 and 0.72 were measured at most.
+const FOURIER: f64 = 0.65;
+const EVEN: f64 = 0.8;
+
+/// The choice of the technique, made again, with even depths behind the front and with the technique's for all: at equal bytes
+/// moments err less than Fourier series and than layers, and less than they do at even depths.
 #[test]
 fn moments_err_less_per_byte_than_fourier_series_and_layers() {
     let Some(mut device) = device() else { return };
     for groom in [BuiltinGroom::Straight, BuiltinGroom::Curly] {
         for opacity in [0.3, 1.0] {
             let texels = texels(&mut device, groom, opacity);
+            let even = |behind: f64| 2.0 * behind - 1.0;
             for m in [4, 6] {
-                let of_moments = error(&texels, |texel, x| model(texel, m, x, 0.0, PART));
-                let [ringing, damped] = [false, true].map(|damped| {
-                    error(&texels, |texel, x| {
-                        fourier_optical_depth(&fourier(texel, m / 2), x, damped)
+                // At the fibre, without it.
+                let of_moments = |place: fn(f64) -> f64| {
+                    error(&texels, |texel, at| {
+                        let steps = placed(texel, place);
+                        let (x, own) = steps[at];
+                        let [least, most] =
+                            [0.0, 1.0].map(|part| (-model(&steps, m, x, own, part)).exp());
+                        least + PART * (most - least)
                     })
-                });
-                let of_layers = error(&texels, |texel, x| {
-                    layers_optical_depth(&layers(texel, m + 1), x)
-                });
+                };
+                // Half-way to the fibre before, where they err less.
+                let others = |place: fn(f64) -> f64| {
+                    let of = |model: &dyn Fn(&Texel, f64) -> f64| {
+                        error(&texels, |texel, at| {
+                            let half_way = 0.5 * (texel[at - 1].0 + texel[at].0);
+                            (-model(&placed(texel, place), place(half_way))).exp()
+                        })
+                    };
+                    [
+                        of(&|texel, x| fourier_optical_depth(&fourier(texel, m / 2), x, false)),
+                        of(&|texel, x| fourier_optical_depth(&fourier(texel, m / 2), x, true)),
+                        of(&|texel, x| layers_optical_depth(&layers(texel, m + 1), x)),
+                    ]
+                };
+                let own = of_moments(place);
+                let others = [others(even), others(place)];
                 eprintln!(
-                    "{groom:?}, opacity {opacity}, {} words: moments {of_moments:.4}, Fourier {ringing:.4}, damped {damped:.4}, layers {of_layers:.4}",
-                    m + 1
+                    "{groom:?}, opacity {opacity}, {} words: moments {own:.4}, at even depths {:.4}; Fourier, damped, layers at even depths {:.4?}, at the technique's {:.4?}",
+                    m + 1,
+                    of_moments(even),
+                    others[0],
+                    others[1]
                 );
-                assert!(of_moments < 0.95 * ringing.min(damped).min(of_layers));
+                let best = |i: usize| others[0][i].min(others[1][i]);
+                let [fourier, layers] = [best(0).min(best(1)), best(2)];
+                assert!(own < FOURIER * fourier && own < layers && own < EVEN * of_moments(even));
             }
         }
     }
@@ -317,18 +358,20 @@ fn it_is_what_its_model_says() {
         };
         let opacity = f64::from(hair.opacity);
         let passed = modelled(&frame, 256, pcf, |map, seen| {
+            let Some(front) = seen.occluders.first().map(|nearest| nearest.depth) else {
+                return 1.0;
+            };
+            let place = |depth: f64| place((depth - front) / map.extent);
             let step = |o: &Occluder| {
                 let mass = -(1.0 - opacity * o.coverage).ln();
-                let x = 2.0 * o.depth / map.extent - 1.0;
-                (x.clamp(-1.0, 1.0), mass.min(MOST))
+                (place(o.depth), mass.min(MOST))
             };
             let steps: Texel = seen.occluders.iter().map(step).collect();
             let own = seen.own.map(|own| &seen.occluders[own]);
             let depth = own.map_or(seen.depth, |own| own.depth);
             let mass = own.map_or(0.0, |own| step(own).1);
-            let x = 2.0 * depth / map.extent - 1.0;
             let [least, most] = [0.0, 1.0].map(|part| {
-                let before = model(&steps, moments as usize, x, mass, part);
+                let before = model(&steps, moments as usize, place(depth), mass, part);
                 (-before * (1.0 - f64::from(transmitted))).exp()
             });
             least + PART * (most - least)

@@ -1,6 +1,6 @@
 //! What a frame says of its memory before it is recorded, against what is then held.
 
-use pelage::glam::{DVec3, Vec3};
+use pelage::glam::{DMat4, DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, builtin};
 use pelage::host::offscreen::WantedOutputs;
 use pelage::raster::Raster;
@@ -10,7 +10,10 @@ use pelage::shadow::{
     Shadow, ShadowMap,
 };
 use pelage::transparency::{ABuffer, KBuffer, Storage, Transparency, a_buffer as sizes};
-use pelage::{Error, Frame, Hair, Light, LightKind, Target, Viewport};
+use pelage::{
+    Error, Frame, Hair, Light, LightKind, Occluder, ShadowImage, Subresource, Target, Viewport,
+    wgpu,
+};
 
 use super::every_technique::cases;
 use crate::common::images::FORMAT;
@@ -175,6 +178,93 @@ fn shadows_tables_outputs_and_fragment_shading_are_foreseen() {
             }
         }
     }
+}
+
+/// The host's own images, which are none of the renderer's memory.
+fn host_image(device: &Device, format: wgpu::TextureFormat, size: [u32; 2]) -> wgpu::Texture {
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some("test.host_image"),
+        size: wgpu::Extent3d {
+            width: size[0],
+            height: size[1],
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    };
+    device.renderer.device().create_texture(&descriptor)
+}
+
+#[test]
+fn occluders_shadow_images_and_received_shadows_are_foreseen() {
+    let Some(mut device) = device() else { return };
+    let hair = wavy(&mut device, 300);
+    let hairs = [&hair];
+    let lights = [Light::directional(DVec3::NEG_Y, Vec3::ONE)];
+    let size = [41, 54];
+    let frame = Frame {
+        hairs: &hairs,
+        lights: &lights,
+        ambient: Vec3::ZERO,
+        view: portrait(size),
+        transparency: None,
+    };
+    let image = device.create_image(size[0], size[1], FORMAT, true).unwrap();
+    let scene = host_image(&device, wgpu::TextureFormat::Depth32Float, [64, 64]);
+    let occluders = [Occluder {
+        light: 0,
+        depth: &scene,
+        subresource: Subresource::default(),
+        clip_from_world: DMat4::IDENTITY,
+        reverse_z: false,
+        flip_y: false,
+        bias: 0.0,
+        pcf: 3,
+    }];
+    let shadow = host_image(&device, wgpu::TextureFormat::R8Unorm, size);
+    let shadow_images = [ShadowImage {
+        light: 0,
+        image: &shadow,
+        subresource: Subresource::default(),
+    }];
+    let plain = Target {
+        depth: image.depth.as_ref(),
+        ..Target::cleared(&image.colour)
+    };
+    let images = Target {
+        shadow_images: &shadow_images,
+        ..plain
+    };
+    let alone = Target {
+        shadows_only: true,
+        ..images
+    };
+    // First, as long as there are no pixels' buffers: images alone need none, and what follows does.
+    let of = |device: &mut Device, target: &Target| {
+        let estimate = device.renderer.memory_estimate(&frame, &target.into());
+        estimate.unwrap()
+    };
+    let [few, all] = [&alone, &images].map(|target| of(&mut device, target));
+    let prefix = "pelage.transparency.";
+    assert!(few.total < all.total && few.of(prefix) < all.of(prefix));
+    assert_eq!(of(&mut device, &plain), all, "images take nothing more");
+    assert_foreseen(&mut device, "shadow images alone", &frame, &alone);
+    assert_foreseen(&mut device, "shadow images", &frame, &images);
+    let full = Target {
+        occluders: &occluders,
+        receive_shadow: true,
+        ..images
+    };
+    assert_foreseen(
+        &mut device,
+        "occluders and a received shadow",
+        &frame,
+        &full,
+    );
 }
 
 #[test]

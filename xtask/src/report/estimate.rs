@@ -16,7 +16,7 @@ const ROW_FRAMES: f64 = 8.0;
 const FRAME_SECONDS: f64 = 0.1;
 /// Seconds of the reference for each million fragments.
 const TRUTH_SECONDS: f64 = 1.0;
-/// Seconds of the transmittances of a scene's probes.
+/// Seconds of the transmittances of a scene's probes, and of its squares.
 const PROBE_SECONDS: f64 = 30.0;
 
 /// Seconds that a case will take on a scene, by the rows that are most like it.
@@ -58,7 +58,8 @@ fn truth_seconds(scene: &Scene, missing: &[Case]) -> f64 {
     };
     let shadows = missing.iter().any(|case| case.group == Group::Shadow);
     let probes = if shadows { PROBE_SECONDS } else { 0.0 };
-    of("pixels", TRUTH_SECONDS * scene.fragments) + of("probes", probes)
+    let known = of("probes", probes) + of("squares", probes);
+    of("pixels", TRUTH_SECONDS * scene.fragments) + known
 }
 
 /// One line a scene and group, and a sum.

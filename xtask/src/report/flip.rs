@@ -2,6 +2,9 @@
 
 use pelage_reference::composite::Image;
 
+/// Whether it is built in.
+pub const IS_BUILT_IN: bool = cfg!(feature = "flip");
+
 /// The background, linear: hair that is dark or light shows alike.
 #[cfg(feature = "flip")]
 const MID_GREY: f64 = 0.18;

@@ -11,6 +11,7 @@ use crate::{Result, root};
 const VERSION: u32 = 1;
 
 /// What a kept result depends on. It begins with the reference's own source.
+#[derive(Clone)]
 pub struct Key(DefaultHasher);
 
 impl Key {

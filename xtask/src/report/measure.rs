@@ -72,8 +72,13 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
     };
     let statistics = bench.offscreen.renderer.statistics();
     let fragments = statistics.fragments;
+    let squares = match image_error {
+        Some(Error { flip: Some(_), .. }) => Some(truth.squares(&case.shading)?.to_string()),
+        _ => None,
+    };
     Ok(Row {
         image_error,
+        squares,
         alpha_error: alpha,
         passes,
         seconds: Some(start.elapsed().as_secs_f64()),
@@ -125,6 +130,7 @@ pub fn row(
         height: scene.size[1],
         error,
         image_error: None,
+        squares: None,
         alpha_error: None,
         ms,
         samples: None,
@@ -321,41 +327,52 @@ impl<'a> Bench<'a> {
             ..error_of(transmittance.iter().map(|t| t.abs()).collect())
         };
         let image_error = Error {
-            flip: self.crop_flip(case, &lit, &shadowed)?,
+            flip: self.squares_flip(case, &lit, &shadowed)?,
             ..error_of(radiance)
         };
         Ok((error, image_error))
     }
 
-    /// Mean ꟻLIP over a square in the middle of the hair. Where the nearest strand is another than the reference's, or nothing is
-    /// known, both pictures are alike.
-    fn crop_flip(
+    /// Mean ꟻLIP over the truth's squares. Where the nearest strand is another than the reference's, or nothing is known, both
+    /// pictures are alike.
+    fn squares_flip(
         &self,
         case: &Case,
         lit: &composite::Image,
         shadowed: &composite::Image,
     ) -> Result<Option<f64>> {
-        let [left, top] = self.truth.crop_corner();
-        let blank = composite::Image {
-            width: truth::CROP,
-            height: truth::CROP,
-            pixels: vec![[0.0; 4]; truth::CROP * truth::CROP],
-        };
-        let (mut actual, mut expected) = (blank.clone(), blank);
-        for probe in self.truth.crop(&case.shading)? {
-            let pixel = probe.pixel as usize;
-            let bright = probe.bright.map(|bright| probe.opacity * bright);
-            let same =
-                |c: usize| (lit.pixels[pixel][c] - bright[c]).abs() <= SAME_COLOUR * bright[c];
-            if !(0..3).all(same) {
-                continue;
-            }
-            let (x, y) = (pixel % lit.width - left, pixel / lit.width - top);
-            let [red, green, blue] = bright.map(|bright| bright * probe.transmittance);
-            actual.pixels[y * truth::CROP + x] = shadowed.pixels[pixel];
-            expected.pixels[y * truth::CROP + x] = [red, green, blue, probe.opacity];
+        let squares = self.truth.squares(&case.shading)?;
+        let mut sum = 0.0;
+        if squares.corners.is_empty() {
+            return Ok(None);
         }
-        Ok(flip::mean(&actual, &expected))
+        for &corner in &squares.corners {
+            let blank = composite::Image {
+                width: truth::SQUARE,
+                height: truth::SQUARE,
+                pixels: vec![[0.0; 4]; truth::SQUARE * truth::SQUARE],
+            };
+            let (mut actual, mut expected) = (blank.clone(), blank);
+            for probe in &squares.probes {
+                let pixel = probe.pixel as usize;
+                let [x, y] = self.truth.place(pixel);
+                let bright = probe.bright.map(|bright| probe.opacity * bright);
+                let same =
+                    |c: usize| (lit.pixels[pixel][c] - bright[c]).abs() <= SAME_COLOUR * bright[c];
+                if !truth::in_square(corner, [x, y]) || !(0..3).all(same) {
+                    continue;
+                }
+                let at = (y - corner[1]) * truth::SQUARE + x - corner[0];
+                let [red, green, blue] = bright.map(|bright| bright * probe.transmittance);
+                actual.pixels[at] = shadowed.pixels[pixel];
+                expected.pixels[at] = [red, green, blue, probe.opacity];
+            }
+            let Some(mean) = flip::mean(&actual, &expected) else {
+                return Ok(None);
+            };
+            sum += mean;
+        }
+        Ok(Some(sum / squares.corners.len() as f64))
     }
 }
 

@@ -178,9 +178,12 @@ fn cases(scene: &Scene, options: &Options) -> Vec<Case> {
     cases.filter(wanted).collect()
 }
 
-/// Those of them that are still to be measured.
+/// Those of them that are still to be measured, or lack something.
 fn missing(scene: &Scene, options: &Options, rows: &[Row]) -> Vec<Case> {
-    let measured = |case: &Case| rows.iter().any(|row| row.is_of(case, scene));
+    let measured = |case: &Case| {
+        let of_case = |row: &&Row| row.is_of(case, scene);
+        rows.iter().find(of_case).is_some_and(Row::is_whole)
+    };
     let mut missing = cases(scene, options);
     missing.retain(|case| options.force || !measured(case));
     missing

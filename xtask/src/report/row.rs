@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::ladder::Case;
 use super::scenes::Scene;
+use super::{Group, flip};
 use crate::Result;
 
 /// One technique with one set of settings on one scene.
@@ -31,6 +32,9 @@ pub struct Row {
     /// For shadows, the error of the picture where points were shaded.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub image_error: Option<Error>,
+    /// For shadows, the squares that the picture's ꟻLIP is of.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub squares: Option<String>,
     /// For transparency, the error of the opacity.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub alpha_error: Option<Error>,
@@ -75,7 +79,7 @@ pub struct Error {
     pub p99: f64,
     /// The greatest.
     pub max: f64,
-    /// Mean ꟻLIP of the pictures over mid-grey; none for shadows, or where it is not built in.
+    /// Mean ꟻLIP of the pictures over mid-grey; none for transmittances, or where it is not built in.
     pub flip: Option<f64>,
     /// Of transmittance, the mean: above zero where too much light comes through.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -105,6 +109,11 @@ pub struct Fragments {
 }
 
 impl Row {
+    /// Whether all that would be measured today is there: rows of shadows may be older than their ꟻLIP.
+    pub fn is_whole(&self) -> bool {
+        self.group != Group::Shadow.name() || self.squares.is_some() || !flip::IS_BUILT_IN
+    }
+
     /// Nanoseconds a sample, the least, where samples were evaluated.
     pub fn ns(&self) -> Option<f64> {
         self.samples.map(|count| self.ms.min * 1e6 / count as f64)

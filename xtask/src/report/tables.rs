@@ -21,9 +21,8 @@ of white.
   over a disc of half a pixel's size; time of the light's passes, each submitted alone. \"Picture\" is the error of the shaded
   nearest fragments. Convergence: the error of opacity shadow maps falls as N^-0.8 from 16 to 128 planes (a test on 2,000
   straight strands: RMSE 0.132 to 0.0245), and is not yet the texels' own there.
-- A shadow's ꟻLIP is that of a square of 64 pixels in the middle of the hair alone, which is no fair sample of every groom: it is lit on `wavy`,
-  `sintel`, `straight` and `furball` (half of its points get 0.89 to 1 of the light) and in shadow on `curly` (0.04), so that it weighs
-  darkened light there and leaked light here.
+- A shadow's ꟻLIP is the mean over four squares of 64 pixels of hair: of all squares that hair fills, in the order of their probes'
+  mean transmittance by the reference, those in the middles of four equal parts.
 - **Samples**: each model by itself over the groom's strand points: the least nanoseconds a sample, of 2¹⁸ in a dispatch and up to 40 dispatches, with reading and
   writing a sample's 96 bytes; errors against the exact model, of the root of its mean square. MB are the tables' alone. At points and at
   fragments the models are the same; what differs is how many there are.

@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 use std::f64::consts::PI;
+use std::fmt;
 
 use bytemuck::{Pod, Zeroable};
 use pelage::glam::{DVec3, Vec3};
@@ -30,8 +31,13 @@ pub const IRRADIANCE: f64 = PI;
 const BAND_ROWS: usize = 128;
 /// How many points' transmittance is compared at most.
 const MOST_PROBES: usize = 6_000;
-/// Pixels a side of the square whose picture is compared as a picture.
-pub const CROP: usize = 64;
+/// Pixels a side of the squares whose pictures are compared as pictures, and how many there are.
+pub const SQUARE: usize = 64;
+pub const SQUARES: usize = 4;
+/// Pixels between the places where a square may begin.
+const SQUARE_STEP: usize = 8;
+/// The part of a square's pixels that can be compared, at least, where there are enough of such squares.
+const SQUARE_COVERED: f64 = 0.98;
 /// Rays a point: the footprint's mean then errs by less than 1/16.
 const RAYS: usize = 64;
 /// Points of fibres that show less than this are not compared: their colour has too few digits.
@@ -94,7 +100,24 @@ pub struct Truth {
     eye: DVec3,
     tangents: Vec<DVec3>,
     probes: OnceCell<Vec<Probe>>,
-    crop: OnceCell<Vec<Probe>>,
+    squares: OnceCell<Squares>,
+}
+
+/// Squares of [`SQUARE`] pixels, and all of their pixels' transmittances.
+#[derive(Debug)]
+pub struct Squares {
+    /// First columns and rows.
+    pub corners: Vec<[usize; 2]>,
+    /// The pixels that can be compared.
+    pub probes: Vec<Probe>,
+}
+
+impl fmt::Display for Squares {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let corners = self.corners.iter();
+        let corners: Vec<String> = corners.map(|[x, y]| format!("({x}, {y})")).collect();
+        write!(f, "{SQUARE} pixels from {}", corners.join(", "))
+    }
 }
 
 /// What is kept of a pixel that hair covers.
@@ -186,7 +209,7 @@ impl Truth {
             reference,
             tangents,
             probes: OnceCell::new(),
-            crop: OnceCell::new(),
+            squares: OnceCell::new(),
             scene: loaded,
         };
         let colours = truth.colours(&picture_shading())?;
@@ -379,65 +402,116 @@ impl Truth {
     /// a pixel's size around each strand point, interpolated as colours are. All cases are shaded alike: the first model is
     /// the one that counts.
     pub fn probes(&self, shading: &Shading) -> Result<&[Probe]> {
-        self.kept_probes(&self.probes, "probes", shading, |covered| {
-            let stride = covered.len().div_ceil(MOST_PROBES).max(1);
-            covered.into_iter().step_by(stride).collect()
-        })
-    }
-
-    /// The same of every pixel of a square in the middle of the hair, whose corner is [`Self::crop_corner`].
-    pub fn crop(&self, shading: &Shading) -> Result<&[Probe]> {
-        let [left, top] = self.crop_corner();
-        let width = self.width();
-        self.kept_probes(&self.crop, "crop", shading, |covered| {
-            let within = |pixel: &&Pixel| {
-                let (x, y) = (pixel.index as usize % width, pixel.index as usize / width);
-                (left..left + CROP).contains(&x) && (top..top + CROP).contains(&y)
-            };
-            covered.into_iter().filter(within).collect()
-        })
-    }
-
-    /// The square's first column and row: around the covered pixel that comes halfway through the image.
-    pub fn crop_corner(&self) -> [usize; 2] {
-        let width = self.width();
-        let middle = self.pixels[self.pixels.len() / 2].index as usize;
-        [middle % width, middle / width].map(|at| at.saturating_sub(CROP / 2))
-    }
-
-    fn width(&self) -> usize {
-        self.scene.framing.width as usize
-    }
-
-    fn kept_probes<'a>(
-        &'a self,
-        cell: &'a OnceCell<Vec<Probe>>,
-        name: &str,
-        shading: &Shading,
-        pick: impl FnOnce(Vec<&'a Pixel>) -> Vec<&'a Pixel>,
-    ) -> Result<&'a [Probe]> {
-        if cell.get().is_none() {
+        if self.probes.get().is_none() {
             let colours = self.colours(shading)?;
-            let shown = |pixel: &&Pixel| {
-                self.opacity * pixel.coverage >= LEAST_OPACITY
-                    && colours[pixel.segment as usize][0] >= LEAST_BRIGHTNESS
-            };
-            let probes = kept(&format!("{}-{name}", self.name), &self.key, || {
-                let picked = pick(self.pixels.iter().filter(shown).collect());
+            let probes = kept(&format!("{}-probes", self.name), &self.key, || {
+                let shown = self.shown(&colours);
+                let stride = shown.len().div_ceil(MOST_PROBES).max(1);
+                let picked: Vec<&Pixel> = shown.into_iter().step_by(stride).collect();
                 self.find_probes(&picked, &colours)
             })?;
-            cell.set(probes).ok();
+            self.probes.set(probes).ok();
         }
-        cell.get()
-            .map(Vec::as_slice)
-            .ok_or_else(|| "no probes".into())
+        let probes = self.probes.get().ok_or("no probes")?;
+        Ok(probes)
+    }
+
+    /// The same of every pixel of some squares of hair, a fair sample of its light: all squares that hair fills are put in the
+    /// order of their probes' mean transmittance, and those in the middles of [`SQUARES`] equal parts of that order are taken,
+    /// or the next ones that overlap none before.
+    pub fn squares(&self, shading: &Shading) -> Result<&Squares> {
+        if self.squares.get().is_none() {
+            let colours = self.colours(shading)?;
+            let shown = self.shown(&colours);
+            let corners = self.corners(&shown, self.probes(shading)?);
+            let key = self.key.clone().and(corners.as_flattened());
+            let probes = kept(&format!("{}-squares", self.name), &key, || {
+                let within = |pixel: &&Pixel| {
+                    let place = self.place(pixel.index as usize);
+                    corners.iter().any(|corner| in_square(*corner, place))
+                };
+                let picked: Vec<&Pixel> = shown.into_iter().filter(within).collect();
+                self.find_probes(&picked, &colours)
+            })?;
+            self.squares.set(Squares { corners, probes }).ok();
+        }
+        let squares = self.squares.get().ok_or("no squares")?;
+        Ok(squares)
+    }
+
+    fn corners(&self, shown: &[&Pixel], probes: &[Probe]) -> Vec<[usize; 2]> {
+        let [width, height] = [self.scene.framing.width, self.scene.framing.height];
+        let [width, height] = [width as usize, height as usize];
+        let mut filled = vec![0; width * height];
+        for pixel in shown {
+            filled[pixel.index as usize] = 1;
+        }
+        let places = |size: usize| (0..=size.saturating_sub(SQUARE)).step_by(SQUARE_STEP);
+        let mut squares = Vec::new();
+        for corner in places(height).flat_map(|top| places(width).map(move |left| [left, top])) {
+            let [left, top] = corner;
+            let rows = (top..height.min(top + SQUARE)).map(|row| row * width);
+            let count: usize = rows
+                .flat_map(|row| &filled[row + left..row + width.min(left + SQUARE)])
+                .sum();
+            let inside = probes
+                .iter()
+                .filter(|probe| in_square(corner, self.place(probe.pixel as usize)));
+            let (number, sum) = inside.fold((0, 0.0), |(number, sum), probe| {
+                (number + 1, sum + probe.transmittance)
+            });
+            if number > 0 {
+                squares.push((count, sum / f64::from(number), corner));
+            }
+        }
+        // A groom may have no square without a gap: then the fullest tenth.
+        let mut counts: Vec<usize> = squares.iter().map(|(count, ..)| *count).collect();
+        counts.sort_unstable();
+        let tenth = counts.get(counts.len() * 9 / 10).copied().unwrap_or(0);
+        let least = tenth.min((SQUARE_COVERED * (SQUARE * SQUARE) as f64) as usize);
+        squares.retain(|(count, ..)| *count >= least);
+        squares.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let mut corners: Vec<[usize; 2]> = Vec::new();
+        for part in 0..SQUARES {
+            let middle = (2 * part + 1) * squares.len() / (2 * SQUARES);
+            let apart = |corner: &[usize; 2]| {
+                let overlaps = |other: &[usize; 2]| {
+                    (0..2).all(|axis| corner[axis].abs_diff(other[axis]) < SQUARE)
+                };
+                !corners.iter().any(overlaps)
+            };
+            let next = squares[middle..].iter().map(|square| square.2).find(apart);
+            corners.extend(next);
+        }
+        corners
+    }
+
+    /// A pixel's column and row.
+    pub fn place(&self, pixel: usize) -> [usize; 2] {
+        let width = self.scene.framing.width as usize;
+        [pixel % width, pixel / width]
+    }
+
+    /// The pixels whose transmittance can be told from their colour.
+    fn shown(&self, colours: &[[f64; 3]]) -> Vec<&Pixel> {
+        let shown = |pixel: &&Pixel| {
+            self.opacity * pixel.coverage >= LEAST_OPACITY
+                && colours[pixel.segment as usize][0] >= LEAST_BRIGHTNESS
+        };
+        self.pixels.iter().filter(shown).collect()
     }
 
     fn find_probes(&self, picked: &[&Pixel], colours: &[[f64; 3]]) -> Vec<Probe> {
-        let points: Vec<(DVec3, Option<usize>)> = picked
+        // Neighbours share their fibres' points.
+        let mut wanted: Vec<usize> = picked
             .iter()
             .flat_map(|pixel| [pixel.segment as usize, pixel.segment as usize + 1])
-            .map(|point| (self.reference.points[point], Some(point)))
+            .collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let points: Vec<(DVec3, Option<usize>)> = wanted
+            .iter()
+            .map(|&point| (self.reference.points[point], Some(point)))
             .collect();
         let query = Query {
             light: Light::Directional {
@@ -448,12 +522,18 @@ impl Truth {
             samples: RAYS,
         };
         let passed = Occluders::new(&self.reference).transmittances(&points, &query);
-        let probe = |(pixel, ends): (&&Pixel, &[f64])| {
-            let [start, end] = [0, 1].map(|end| colours[pixel.segment as usize + end]);
-            let mix = |channel: usize, passed: &[f64]| {
+        let passed_at = |point: usize| {
+            let at = wanted.binary_search(&point);
+            at.map_or(1.0, |at| passed[at])
+        };
+        let probe = |pixel: &&Pixel| {
+            let ends = [0, 1].map(|end| pixel.segment as usize + end);
+            let [start, end] = ends.map(|point| colours[point]);
+            let ends = ends.map(passed_at);
+            let mix = |channel: usize, passed: [f64; 2]| {
                 start[channel] * passed[0] * (1.0 - pixel.t) + end[channel] * passed[1] * pixel.t
             };
-            let bright: [f64; 3] = std::array::from_fn(|channel| mix(channel, &[1.0, 1.0]));
+            let bright: [f64; 3] = std::array::from_fn(|channel| mix(channel, [1.0, 1.0]));
             Probe {
                 pixel: u64::from(pixel.index),
                 bright,
@@ -461,11 +541,7 @@ impl Truth {
                 opacity: 1.0 - pixel.transmittance,
             }
         };
-        picked
-            .iter()
-            .zip(passed.chunks_exact(2))
-            .map(probe)
-            .collect()
+        picked.iter().map(probe).collect()
     }
 
     /// A pixel's size in world units at the middle of the groom.
@@ -474,4 +550,9 @@ impl Truth {
         let distance = framing.eye.distance(framing.target);
         2.0 * distance * (0.5 * framing.vfov_deg.to_radians()).tan() / f64::from(framing.height)
     }
+}
+
+/// Whether a pixel at a column and row lies in the square that begins at a corner.
+pub fn in_square(corner: [usize; 2], place: [usize; 2]) -> bool {
+    (0..2).all(|axis| (corner[axis]..corner[axis] + SQUARE).contains(&place[axis]))
 }
