@@ -4,7 +4,8 @@
 @group(3) @binding(0) var<storage, read> counters: array<u32>;
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
 @group(3) @binding(2) var<storage, read> links: array<u32>;
-@group(3) @binding(3) var<storage, read> fragments_0: array<u32>;
+// Keys, by fours.
+@group(3) @binding(3) var<storage, read> fragments_0: array<vec4u>;
 @group(3) @binding(4) var<storage, read> fragments_1: array<vec2u>;
 @group(3) @binding(5) var<storage, read> fragments_2: array<vec2u>;
 
@@ -25,7 +26,7 @@ struct Resolved {
 }
 
 fn a_buffer_key(place: u32) -> u32 {
-    return fragments_0[place];
+    return fragments_0[place / 4u][place % 4u];
 }
 
 // A fragment's point, and the word of its opacity and its place along the segment.

@@ -7,7 +7,7 @@ fn dbk_buffer_drop(@builtin(global_invocation_id) invocation: vec3u, @builtin(nu
     let index = invocation.x + invocation.y * groups.x * 64u;
     if index >= drawing.point_count { return; }
     let here = projected_out[index];
-    if (here.flags & (PROJECTED_LAST | PROJECTED_BEHIND | PROJECTED_UNSEEN)) != 0u { return; }
+    if (here.bisector_flags.y & (PROJECTED_LAST | PROJECTED_BEHIND | PROJECTED_UNSEEN)) != 0u { return; }
     let found = project_reach(here, project_relative(index + 1u), points[index + 1u].radius);
     let size = found.last - found.first + 1u;
     if !found.known || size.x * size.y > PROJECT_TILES { return; }
@@ -21,5 +21,5 @@ fn dbk_buffer_drop(@builtin(global_invocation_id) invocation: vec3u, @builtin(nu
             hidden = found.nearest > host_tiles[place].x;
         }
     }
-    if hidden { projected_out[index].flags = here.flags | PROJECTED_UNSEEN; }
+    if hidden { projected_out[index].bisector_flags.y = here.bisector_flags.y | PROJECTED_UNSEEN; }
 }
