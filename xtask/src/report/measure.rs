@@ -76,9 +76,14 @@ pub fn measure(scene: &Scene, truth: &Truth, case: &Case) -> Result<Row> {
         Some(Error { flip: Some(_), .. }) => Some(truth.squares(&case.shading)?.to_string()),
         _ => None,
     };
+    let undecided = match case.group {
+        Group::Transparency => Some(truth.undecided()).filter(|pixels| *pixels > 0),
+        _ => None,
+    };
     Ok(Row {
         image_error,
         squares,
+        undecided,
         alpha_error: alpha,
         passes,
         seconds: Some(start.elapsed().as_secs_f64()),
@@ -131,6 +136,7 @@ pub fn row(
         error,
         image_error: None,
         squares: None,
+        undecided: None,
         alpha_error: None,
         ms,
         samples: None,
@@ -290,10 +296,11 @@ impl<'a> Bench<'a> {
             flip,
             bias: None,
         };
-        let colour = colour_error(&actual, truth, None);
+        let comparable = self.truth.comparable();
+        let colour = colour_error(&actual, truth, Some(&comparable));
         Ok((
             of(colour, flip::mean(&actual, truth)),
-            of(alpha_error(&actual, truth, None), None),
+            of(alpha_error(&actual, truth, Some(&comparable)), None),
         ))
     }
 

@@ -35,6 +35,10 @@ pub struct Row {
     /// For shadows, the squares that the picture's ꟻLIP is of.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub squares: Option<String>,
+    /// For transparency, how many pixels are not compared, since single precision cannot tell whether the opaque scene hides a
+    /// fragment there.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub undecided: Option<usize>,
     /// For transparency, the error of the opacity.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub alpha_error: Option<Error>,

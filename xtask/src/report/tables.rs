@@ -79,6 +79,9 @@ pub fn write(folder: &Path, rows: &[Row]) -> Result<()> {
             text += &choice::of_scene(&rows);
             text += "\n";
         }
+        if let Some(pixels) = row.undecided {
+            writeln!(text, "{pixels} pixels are not compared: single precision cannot tell whether the opaque scene hides a fragment there.\n").ok();
+        }
         text += &match group {
             "samples" => sample_table(&rows),
             "frames" => frame_table(&rows),

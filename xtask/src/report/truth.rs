@@ -31,6 +31,9 @@ pub const IRRADIANCE: f64 = PI;
 const BAND_ROWS: usize = 128;
 /// How many points' transmittance is compared at most.
 const MOST_PROBES: usize = 6_000;
+/// Fragments this close to the opaque scene's depth, four units of a float below 1, may lie before it or behind it for all that single
+/// precision knows.
+const UNDECIDED: f32 = 2.4e-7;
 /// Pixels a side of the squares whose pictures are compared as pictures, and how many there are.
 pub const SQUARE: usize = 64;
 pub const SQUARES: usize = 4;
@@ -132,7 +135,8 @@ struct Pixel {
     fewest: [u32; EPSILONS.len()],
     /// Index of the first point of the nearest fragment's segment.
     segment: u32,
-    padding: u32,
+    /// Whether a fragment lies within [`UNDECIDED`] of the opaque scene.
+    undecided: u32,
     /// Where the nearest fragment lies on its segment.
     t: f64,
     /// Its coverage.
@@ -241,9 +245,36 @@ impl Truth {
             let depth = self.scene.host_depth.as_deref();
             let depth = depth.map(|depth| &depth[places.clone()]);
             let lists = fragment_lists(&self.reference, &camera.rows(first, rows), depth);
-            pixels.extend(self.pixels_of(&lists, places.start, colours));
+            let mut found = self.pixels_of(&lists, places.start, colours);
+            if let Some(depth) = depth {
+                let [before, behind] = [-UNDECIDED, UNDECIDED].map(|by| {
+                    let depth: Vec<f32> = depth.iter().map(|depth| depth + by).collect();
+                    fragment_lists(&self.reference, &camera.rows(first, rows), Some(&depth))
+                });
+                for pixel in &mut found {
+                    let at = pixel.index as usize - places.start;
+                    let [before, behind] = [&before, &behind].map(|lists| lists.pixel(at).len());
+                    pixel.undecided = u32::from(before != behind);
+                }
+            }
+            pixels.extend(found);
         }
         pixels
+    }
+
+    /// Pixels where the opaque scene hides a fragment or not by less than single precision tells.
+    pub fn undecided(&self) -> usize {
+        self.pixels.iter().filter(|pixel| pixel.undecided != 0).count()
+    }
+
+    /// Whether a pixel is covered, and decided.
+    pub fn comparable(&self) -> Vec<bool> {
+        let framing = &self.scene.framing;
+        let mut comparable = vec![false; framing.width as usize * framing.height as usize];
+        for pixel in &self.pixels {
+            comparable[pixel.index as usize] = pixel.undecided == 0 && pixel.transmittance < 1.0;
+        }
+        comparable
     }
 
     /// Of a band of rows that begins at pixel `first`.
@@ -260,7 +291,7 @@ impl Truth {
                 count: fragments.len() as u32,
                 fewest: std::array::from_fn(|number| fewest[number][at] as u32),
                 segment: nearest.segment,
-                padding: 0,
+                undecided: 0,
                 t: nearest.t,
                 coverage: nearest.coverage,
                 transmittance: composite::transmittance(fragments, self.opacity),
