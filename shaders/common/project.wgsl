@@ -311,8 +311,10 @@ fn project(@builtin(global_invocation_id) invocation: vec3u, @builtin(num_workgr
     if (flags & PROJECTED_CUT_END) == 0u { after = project_side(index, position, true); }
     // Both directions lead away from the point: a straight strand has -1 here, a turn of more than 120° above ½.
     if dot(before.direction, after.direction) > 0.5 { flags |= PROJECTED_BREAK; }
-    // A strand shorter than what tells a direction covers nothing.
-    if all(before.direction == vec2f(0.0)) && all(after.direction == vec2f(0.0)) { flags |= PROJECTED_UNSEEN; }
+    // A strand shorter than what tells a direction covers nothing. Where the near plane cuts, directions are not asked for.
+    if (flags & PROJECTED_BEHIND) == 0u && all(before.direction == vec2f(0.0)) && all(after.direction == vec2f(0.0)) {
+        flags |= PROJECTED_UNSEEN;
+    }
     let sum = after.direction - before.direction;
     let bisector = select(vec2f(1.0, 0.0), sum / max(length(sum), 1e-12), dot(sum, sum) > 1e-8);
 
