@@ -264,7 +264,10 @@ impl Truth {
 
     /// Pixels where the opaque scene hides a fragment or not by less than single precision tells.
     pub fn undecided(&self) -> usize {
-        self.pixels.iter().filter(|pixel| pixel.undecided != 0).count()
+        self.pixels
+            .iter()
+            .filter(|pixel| pixel.undecided != 0)
+            .count()
     }
 
     /// Whether a pixel is covered, and decided.
