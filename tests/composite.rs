@@ -476,7 +476,7 @@ fn the_shadow_is_received_wherever_a_shadow_image_has_it() {
                 );
             }
             assert!(
-                shadowed[0] > 50 && shadowed[1] > 100,
+                shadowed[0] > 100 && shadowed[1] > 100,
                 "{light:?}: {shadowed:?}"
             );
         }

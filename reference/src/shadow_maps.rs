@@ -4,13 +4,17 @@
 //!
 //! A texel is its slice: the line through its centre along the axis, x or y, that the fibre crosses more steeply. What the fibre
 //! covers of the line counts as covered, times the part of the texel's extent along the other axis that lies between the strand's
-//! ends. So all that a thin fibre covers of a row or a column of texels is in one of them.
+//! ends. So all that a thin fibre covers of a row or a column of texels is in one of them. Of a fibre wider than
+//! [`WIDEST_SLICED`] it is the square.
 //!
 //! All share the filter: the mean over a square of `pcf` texels a side around the point of what each texel says.
 
 use crate::fragments::{Fragment, FragmentLists};
 use crate::scene::{Camera, Strands};
 use glam::{DVec2, DVec3, DVec4, Vec2Swizzles};
+
+/// The greatest half-width, in texels, of a segment that is held against slices.
+pub const WIDEST_SLICED: f64 = 0.125;
 
 /// A light's map of some strands, and depth along its axis.
 pub struct LightMap<'a> {
@@ -31,7 +35,7 @@ pub struct Occluder {
     pub segment: usize,
     /// Depth along the map's axis.
     pub depth: f64,
-    /// The part of the texel's slice that the fibre covers.
+    /// The part of the texel's slice, or of its square, that the fibre covers.
     pub coverage: f64,
     /// Whether the texel's centre is covered.
     pub at_centre: bool,
@@ -115,11 +119,16 @@ impl LightMap<'_> {
             let across = along.perp();
             let outwards = (b - a).cross(towards_light).normalize_or_zero() * radius;
             let half_width = self.texels(outwards.extend(0.0)).dot(across).abs();
+            let widest = half_width * r0.max(r1) / radius.max(f64::MIN_POSITIVE);
             let distance = (centre - self.texels(axis.extend(1.0))).dot(across).abs();
             Occluder {
                 segment: first,
                 depth: self.depth(axis),
-                coverage: self.slice(fragment, centre, half_width),
+                coverage: if widest > WIDEST_SLICED {
+                    fragment.coverage
+                } else {
+                    self.slice(fragment, centre, half_width)
+                },
                 at_centre: distance < half_width,
             }
         };

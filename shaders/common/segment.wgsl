@@ -57,6 +57,8 @@ struct Segment {
     point: u32,
     valid: bool,
     footprint: Footprint,
+    // Whether it is held against slices.
+    slice: bool,
 }
 
 struct Fragment {
@@ -126,11 +128,9 @@ fn segment(index: u32) -> Segment {
     s.ends = (next_flags & (PROJECTED_LAST | PROJECTED_BREAK | PROJECTED_CUT_END)) != 0u;
     s.before = select(segment_beyond(flags >> PROJECTED_DISTANCE_BITS), 0.0, s.starts);
     s.after = select(segment_beyond(next_flags), 0.0, s.ends);
-    if FOOTPRINT == FOOTPRINT_SLICE {
-        s.footprint = footprint_slice(s.normal);
-    } else {
-        s.footprint = footprint(s.normal);
-    }
+    s.slice = FOOTPRINT == FOOTPRINT_SLICE && max(s.start_half_width, s.end_half_width) <= FOOTPRINT_SLICE_MOST;
+    s.footprint = footprint(s.normal);
+    if s.slice { s.footprint = footprint_slice(s.normal); }
     if FOOTPRINT == FOOTPRINT_CENTRE { s.footprint.support = 0.0; }
     // Uniforms are read here once and not at every pixel, where some drivers would read them anew.
     s.opacity = drawing.opacity;
@@ -147,7 +147,7 @@ fn segment_reach(s: Segment) -> f32 {
 // How far beyond an end along the axis owned pixels can lie.
 fn segment_overhang(s: Segment, plane: vec2f, is_end: bool, reach: f32) -> f32 {
     if is_end {
-        if FOOTPRINT != FOOTPRINT_SLICE { return s.footprint.support; }
+        if !s.slice { return s.footprint.support; }
         let across = min(abs(s.normal.x), abs(s.normal.y));
         return (0.5 + reach * across) * s.footprint.inverse_a;
     }
@@ -197,7 +197,7 @@ fn segment_fragment(s: Segment, centre: vec2f, near_end: bool) -> Fragment {
     var end = s.length - along + s.after;
     fragment.touched = abs(across) < half_width + support;
     if near_end {
-        if FOOTPRINT == FOOTPRINT_SLICE {
+        if s.slice {
             let part = coverage_slice_ends(s.normal, across, max(start, -2.0), min(end, 2.0));
             fragment.touched = fragment.touched && part > 0.0;
         } else {
@@ -217,7 +217,7 @@ fn segment_fragment(s: Segment, centre: vec2f, near_end: bool) -> Fragment {
     }
     if !TOUCH_ONLY {
         var coverage = coverage_band(s.footprint, across, half_width);
-        if near_end && FOOTPRINT == FOOTPRINT_SLICE {
+        if near_end && s.slice {
             coverage *= coverage_slice_ends(s.normal, across, max(start, -2.0), min(end, 2.0));
         } else if near_end && (start > -support || end < support) {
             coverage = coverage_rectangle(s.normal, -across - half_width, 2.0 * half_width, start, end);

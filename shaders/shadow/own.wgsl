@@ -58,16 +58,22 @@ fn shadow_own_unit(v: vec3f) -> vec3f {
     return v / max(length(v), 1e-30);
 }
 
+// As the rasterisers choose it.
+fn shadow_own_footprint(normal: vec2f) -> Footprint {
+    if shadow_own_half_width > FOOTPRINT_SLICE_MOST { return footprint(normal); }
+    return footprint_slice(normal);
+}
+
 fn shadow_own_side(neighbour: vec3f, map: u32, resolution: f32) -> ShadowOwnSide {
     let clip = frame.shadow_views[map].clip_from_relative * vec4f(neighbour, 1.0);
     let offset = shadow_own_pixel(clip, resolution) - shadow_own_place;
     let distance = length(offset);
     let depth = dot(frame.shadow_views[map].depth_row, vec4f(neighbour, 1.0));
     if !(distance > SHADOW_OWN_COINCIDENT) || clip.w <= 0.0 {
-        return ShadowOwnSide(vec2f(0.0), 0.0, 0.0, footprint_slice(vec2f(1.0, 0.0)));
+        return ShadowOwnSide(vec2f(0.0), 0.0, 0.0, shadow_own_footprint(vec2f(1.0, 0.0)));
     }
     let tangent = offset / distance;
-    return ShadowOwnSide(tangent, (depth - shadow_own_depth) / distance, distance, footprint_slice(tangent.yx));
+    return ShadowOwnSide(tangent, (depth - shadow_own_depth) / distance, distance, shadow_own_footprint(tangent.yx));
 }
 
 // Finds the fibre on the map, whose clip space and depths the point has these values in.
@@ -76,18 +82,6 @@ fn shadow_own_begin(position: vec3f, clip: vec4f, depth: f32, map: u32, light: u
     let resolution = f32(frame.lights[light].resolution);
     shadow_own_place = shadow_own_pixel(clip, resolution);
     shadow_own_depth = depth;
-    shadow_own_before = shadow_own_side(shadow_fibre.before, map, resolution);
-    shadow_own_after = shadow_own_side(shadow_fibre.after, map, resolution);
-    // Where one side has no length on the map the other goes on straight.
-    if all(shadow_own_before.tangent == vec2f(0.0)) {
-        shadow_own_before = ShadowOwnSide(-shadow_own_after.tangent, -shadow_own_after.slope, 0.0, shadow_own_after.footprint);
-    }
-    if all(shadow_own_after.tangent == vec2f(0.0)) {
-        shadow_own_after = ShadowOwnSide(-shadow_own_before.tangent, -shadow_own_before.slope, 0.0, shadow_own_before.footprint);
-    }
-    let sum = shadow_own_after.tangent - shadow_own_before.tangent;
-    shadow_own_bisector = sum / max(length(sum), 1e-12);
-
     // Half of the silhouette's width, as the projection finds it.
     let place = frame.lights[light].place;
     let strand = shadow_own_unit(shadow_fibre.after - position) + shadow_own_unit(position - shadow_fibre.before);
@@ -101,6 +95,18 @@ fn shadow_own_begin(position: vec3f, clip: vec4f, depth: f32, map: u32, light: u
     if length(along) > SHADOW_OWN_DEGENERATE * shadow_own_half_width {
         shadow_own_half_width = abs(offset.x * along.y - offset.y * along.x) / length(along);
     }
+
+    shadow_own_before = shadow_own_side(shadow_fibre.before, map, resolution);
+    shadow_own_after = shadow_own_side(shadow_fibre.after, map, resolution);
+    // Where one side has no length on the map the other goes on straight.
+    if all(shadow_own_before.tangent == vec2f(0.0)) {
+        shadow_own_before = ShadowOwnSide(-shadow_own_after.tangent, -shadow_own_after.slope, 0.0, shadow_own_after.footprint);
+    }
+    if all(shadow_own_after.tangent == vec2f(0.0)) {
+        shadow_own_after = ShadowOwnSide(-shadow_own_before.tangent, -shadow_own_before.slope, 0.0, shadow_own_before.footprint);
+    }
+    let sum = shadow_own_after.tangent - shadow_own_before.tangent;
+    shadow_own_bisector = sum / max(length(sum), 1e-12);
 }
 
 // The fibre's fragment in a texel.
@@ -115,7 +121,12 @@ fn shadow_own(texel: vec2u) -> ShadowOwn {
     let across = dot(centre, normal);
     // Beyond the strand's end there is none of it.
     let ends = select(shadow_fibre.starts, shadow_fibre.ends, is_after);
-    let cut = select(1.0, coverage_slice_ends(normal, across, -2.0, min(side.length - along, 2.0)), ends);
+    var cut = 1.0;
+    if ends && shadow_own_half_width <= FOOTPRINT_SLICE_MOST {
+        cut = coverage_slice_ends(normal, across, -2.0, min(side.length - along, 2.0));
+    } else if ends {
+        cut = clamp(0.5 + side.length - along, 0.0, 1.0);
+    }
     let opacity = shadow_fibre.opacity * cut * coverage_band(side.footprint, across, shadow_own_half_width);
     let taken = select(optical_depth(opacity), OPTICAL_DEPTH_OPAQUE, opacity > SHADOW_OWN_OPAQUE);
     let reach = shadow_own_half_width + 0.5 * (abs(normal.x) + abs(normal.y));
