@@ -251,7 +251,7 @@ typedef PelageVkFunction (PELAGE_VKAPI *PelageVkGetInstanceProcAddr)(void *insta
 // Per-pixel linked lists.
 #define PELAGE_STORAGE_LISTS 1
 
-// Cut-offs are looked for where that saves time, or where `pool_bytes` do not hold all fragments.
+// Cut-offs are looked for where that saves time, or where `pool_bytes` or the device do not hold all fragments.
 #define PELAGE_CULLING_AUTO 0
 
 // They are looked for in every frame: the fewest fragments are stored.

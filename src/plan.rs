@@ -124,6 +124,14 @@ pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
     gpu.max_binding() / (FRAGMENT_BYTES - KEY_BYTES)
 }
 
+/// Fragments that a pool of counted arrays can hold on this device, whatever its memory.
+pub(crate) fn most_fragments(gpu: &Gpu) -> u64 {
+    (2 * part_capacity(gpu)).min(gpu.max_binding() / KEY_BYTES)
+}
+
+/// Room in a new pool beyond what the frame is expected, or was measured, to need.
+pub(crate) const POOL_MARGIN: f64 = 1.15;
+
 /// Segments wider than this many pixels in all are shared among invocations: some drivers end loops at 65,535 steps.
 const PIXELS_AN_INVOCATION: f64 = 8192.0;
 
@@ -345,7 +353,7 @@ impl Plan {
                     let segments = runs.iter().map(|run| u64::from(run.run.segments)).sum();
                     let cut_depth = f64::from(settings.cut_depth());
                     let pays = seen.culling_pays(cut_depth, segments);
-                    settings.cuts(seen.fragments as u64, pays)
+                    settings.cuts(seen.fragments, most_fragments(gpu), pays)
                 }
                 _ => false,
             },

@@ -10,7 +10,7 @@ use crate::gpu::{Allocation, Gpu, Group, ImageAllocation, Passes};
 use crate::layout::{Counters, MAX_OCCLUDERS, ORDER_KEYS, PointOutput, Projected};
 use crate::memory::Forecast;
 use crate::occluder::Occluder;
-use crate::plan::{Plan, part_capacity};
+use crate::plan::{POOL_MARGIN, Plan, most_fragments, part_capacity};
 use crate::raster::{ATTACHMENT, Rasteriser};
 use crate::shading::{ShadingRate, tables, transmission};
 use crate::surface::{Subresource, Surface};
@@ -23,9 +23,6 @@ pub(crate) const RING: usize = 8;
 const COUNTER_STRIDE: u64 = 256;
 /// Bands whose counters are kept.
 const MAX_BANDS: u64 = 64;
-/// Room in a new pool beyond what the frame is expected, or was measured, to need.
-const POOL_MARGIN: f64 = 1.15;
-
 /// Fragments of the smallest pool that the library makes of itself.
 const SMALLEST_POOL: u64 = 1 << 16;
 /// Bytes that a pool leaves free in the host's budget.
@@ -611,7 +608,7 @@ impl Resources {
         let most = if lists {
             (2 * part).min(gpu.max_binding() / 4)
         } else {
-            (2 * part).min(gpu.max_binding() / KEY_BYTES)
+            most_fragments(gpu)
         };
         let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),

@@ -15,9 +15,6 @@
 
 // Points closer than this on the screen coincide.
 const PROJECT_COINCIDENT_PX: f32 = 1e-4;
-// Points no farther than this from each other on the screen tell no direction: what single precision gets wrong of a place in an
-// image of 1000 pixels, 1e-4, turns what is longer by less than 0.03. So a segment that points at the eye turns no joint.
-const PROJECT_DIRECTION_PX: f32 = 0.00390625;
 // How many neighbours are looked at in search of a direction and of an end within a pixel.
 const PROJECT_SEARCH: u32 = 64u;
 
@@ -89,9 +86,9 @@ fn project_side(index: u32, position: vec3f, forward: bool) -> ProjectSide {
             let distance = length(offset);
             if all(side.direction == vec2f(0.0)) {
                 let way = there - own;
-                if length(way) > PROJECT_DIRECTION_PX { side.direction = normalize(way); }
+                if length(way) > PROJECTED_DIRECTION_PX { side.direction = normalize(way); }
             }
-            let tells = distance > PROJECT_DIRECTION_PX;
+            let tells = distance > PROJECTED_DIRECTION_PX;
             let unit = select(last, offset / distance, tells);
             let turned = dot(last, unit) < -0.5;
             last = unit;

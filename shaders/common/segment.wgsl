@@ -28,8 +28,6 @@ var<private> segment_in_front: bool;
 const SEGMENT_BESIDE_JOINT: f32 = 0.5;
 // How much may count of what lies beyond a joint: less than would bring an end into a pixel's reach that is a pixel behind the joint.
 const SEGMENT_MOST_BEYOND: f32 = 0.2928;
-// Shorter segments have the direction of the strand around their start.
-const SEGMENT_DIRECTION_PX: f32 = 0.00390625;
 
 struct Segment {
     start: vec2f,
@@ -110,7 +108,8 @@ fn segment(index: u32) -> Segment {
     s.end_plane = unpack2x16snorm(q.bisector_flags.x);
     let offset = s.end - s.start;
     s.length = length(offset);
-    if s.length > SEGMENT_DIRECTION_PX {
+    // Shorter segments have the direction of the strand around their start.
+    if s.length > PROJECTED_DIRECTION_PX {
         s.tangent = offset / s.length;
         s.inverse_length = 1.0 / s.length;
     } else {

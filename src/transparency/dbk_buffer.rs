@@ -14,7 +14,7 @@ use crate::error::{Result, invalid};
 use crate::geometry::{self, Projection};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, workgroups};
 use crate::layout::HOST_TILE;
-use crate::plan::{Band, Plan};
+use crate::plan::{Band, POOL_MARGIN, Plan};
 use crate::raster::{self, Draw, Emission, Footprint, Raster, Rasteriser};
 use crate::resources::Bound;
 use crate::shader::{Constant, Module};
@@ -125,8 +125,8 @@ const BEYOND_WORDS: u64 = 3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Culling {
-    /// Where an estimate says that it saves more time than it takes, or that `pool_bytes` hold fewer fragments than there
-    /// are. Elsewhere all are stored, and the error is the A-buffer's.
+    /// Where an estimate says that it saves more time than it takes, or that `pool_bytes`, or the device's bindings,
+    /// hold fewer fragments than there are. Elsewhere all are stored, and the error is the A-buffer's.
     #[default]
     Auto,
     /// In every frame: the fewest fragments are stored.
@@ -182,15 +182,17 @@ impl DbkBuffer {
         -self.epsilon.ln() * 1.001
     }
 
-    /// Whether this frame's cut-offs are looked for, with so many fragments expected and where they would save time.
-    pub(crate) fn cuts(&self, fragments: u64, pays: bool) -> bool {
+    /// Whether this frame's cut-offs are looked for, with so many fragments expected, at most so many held by this device's
+    /// bindings, and where they would save time.
+    pub(crate) fn cuts(&self, fragments: f64, most: u64, pays: bool) -> bool {
         let held = self
             .pool_bytes
             .map(|bytes| bytes / a_buffer::FRAGMENT_BYTES);
         self.depth_shift.is_some()
             || self.culling == Culling::Always
             || pays
-            || held.is_some_and(|held| held < fragments)
+            || fragments * POOL_MARGIN > most as f64
+            || held.is_some_and(|held| held < fragments as u64)
     }
 
     pub(crate) fn needs(&self, pixels: u64) -> Needs {
@@ -460,4 +462,24 @@ pub(crate) fn resolve_module(
         .and(beyond)
         .and(&["transparency/a_buffer_read", "transparency/a_buffer"])
         .with("LISTS", Constant::Bool(false))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_device_or_the_host_does_not_hold_is_culled() {
+        let settings = DbkBuffer::default();
+        let most = 33_000_000;
+        assert!(!settings.cuts(26.4e6, most, false));
+        assert!(settings.cuts(36.0e6, most, false));
+        assert!(settings.cuts(26.4e6, most, true));
+        let pool = DbkBuffer {
+            pool_bytes: Some(12_000_000),
+            ..settings
+        };
+        assert!(!pool.cuts(0.9e6, most, false));
+        assert!(pool.cuts(1.1e6, most, false));
+    }
 }

@@ -40,7 +40,7 @@ pub const PELAGE_STORAGE_COUNTED: u32 = 0;
 /// Per-pixel linked lists.
 pub const PELAGE_STORAGE_LISTS: u32 = 1;
 
-/// Cut-offs are looked for where that saves time, or where `pool_bytes` do not hold all fragments.
+/// Cut-offs are looked for where that saves time, or where `pool_bytes` or the device do not hold all fragments.
 pub const PELAGE_CULLING_AUTO: u32 = 0;
 /// They are looked for in every frame: the fewest fragments are stored.
 pub const PELAGE_CULLING_ALWAYS: u32 = 1;
