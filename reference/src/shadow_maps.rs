@@ -14,7 +14,7 @@ use crate::scene::{Camera, Strands};
 use glam::{DVec2, DVec3, DVec4, Vec2Swizzles};
 
 /// The greatest half-width, in texels, of a segment that is held against slices.
-pub const WIDEST_SLICED: f64 = 0.125;
+pub const WIDEST_SLICED: f64 = 0.25;
 
 /// A light's map of some strands, and depth along its axis.
 pub struct LightMap<'a> {

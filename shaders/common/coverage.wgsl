@@ -27,7 +27,7 @@ fn footprint_slice(normal: vec2f) -> Footprint {
 
 // Fibres whose half-width is more than this part of a pixel are never held against slices: sums of -ln(1 - coverage) grow faster than
 // the coverage, the more, the more of it is in one pixel, and take what is behind a wide fibre for behind many.
-const FOOTPRINT_SLICE_MOST: f32 = 0.125;
+const FOOTPRINT_SLICE_MOST: f32 = 0.25;
 
 // Area of the square between its centre line and the line at distance `d`, signed like `d`: from -½ to ½.
 fn coverage_half_plane(f: Footprint, d: f32) -> f32 {
