@@ -1251,6 +1251,10 @@ typedef struct PelageStatistics {
     uint64_t bytes_total;
     // The largest `bytes_total` so far.
     uint64_t bytes_peak;
+    // Shadow maps that the latest frame fills: six of a light among the hair, else one a light.
+    uint64_t shadow_maps_filled;
+    // Shadow maps that it takes as an earlier frame has filled them; see `pelage_context_set_shadow_reuse`.
+    uint64_t shadow_maps_taken;
 } PelageStatistics;
 
 // GPU memory held under one label. Never grows.
@@ -1604,6 +1608,12 @@ PelageResult pelage_context_adapter(struct PelageContext context, struct PelageA
 
 // Limits the GPU memory that a context takes beside its targets to `bytes`; 0 lifts the limit. What it holds is kept.
 PelageResult pelage_context_set_byte_budget(struct PelageContext context, uint64_t bytes);
+
+// Whether frames take the shadow maps that an earlier frame has filled, where all is as it was then: the hairs' points, places
+// and opacities, the light and its technique, whatever the view. 1, which is the default, does not change the picture; 0 is for
+// measurements of frames with everything new.
+PelageResult pelage_context_set_shadow_reuse(struct PelageContext context,
+                                             uint32_t reuse);
 
 // Waits until the GPU has done all that was asked of it on a context. Other calls on the context wait too.
 //
@@ -2044,7 +2054,7 @@ PelageResult pelage_window_present(struct PelageContext context,
 #define PELAGE_FRAME_INIT { sizeof(PelageFrame), 0, NULL, NULL, NULL, NULL, 0, { 0.0f, 0.0f, 0.0f } }
 #define PELAGE_TARGET_DESCRIPTOR_INIT { sizeof(PelageTargetDescriptor), 0, 0, 0, 0, 0 }
 #define PELAGE_MEMORY_ESTIMATE_INIT { sizeof(PelageMemoryEstimate), 0, 0, 0, 0, 0, 0, 0, 0 }
-#define PELAGE_STATISTICS_INIT { sizeof(PelageStatistics), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+#define PELAGE_STATISTICS_INIT { sizeof(PelageStatistics), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 #define PELAGE_VULKAN_INSTANCE_INIT { sizeof(PelageVulkanInstance), 0, NULL, NULL, 0, 0 }
 #define PELAGE_VULKAN_REQUIREMENTS_INIT { sizeof(PelageVulkanRequirements), 0, NULL, { NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL }, 0, 0, { 0 } }
 #define PELAGE_VULKAN_DEVICE_INIT { sizeof(PelageVulkanDevice), 0, 0, 0, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0 }

@@ -330,6 +330,10 @@ public:
     Outcome<void> set_byte_budget(uint64_t bytes) const {
         return check(pelage_context_set_byte_budget(get(), bytes));
     }
+    /* False is for measurements of frames with everything new. */
+    Outcome<void> set_shadow_reuse(bool reuse) const {
+        return check(pelage_context_set_shadow_reuse(get(), reuse ? 1 : 0));
+    }
     Outcome<void> wait() const { return check(pelage_wait(get())); }
 
     Outcome<Hair> builtin(uint32_t groom, uint64_t strand_count = PELAGE_BUILTIN_STRAND_COUNT) const {

@@ -279,7 +279,7 @@ pub(crate) fn record(
         return composite::outputs_none(gpu, passes, plan, target);
     };
     resources.clear_maps(passes, plan);
-    for map in &plan.maps {
+    for map in plan.maps.iter().filter(|map| map.filled) {
         geometry::project(
             gpu,
             passes,

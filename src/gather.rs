@@ -6,7 +6,7 @@ use std::num::NonZeroU64;
 use glam::DVec3;
 
 use crate::error::{Error, Result, invalid};
-use crate::geometry::{Geometry, Run};
+use crate::geometry::{Geometry, Run, next_serial};
 use crate::gpu::{Allocation, Gpu, Group, PipelineKey, workgroups};
 use crate::layout::{Gather, NO_PLACE};
 use crate::shader::Module;
@@ -227,10 +227,14 @@ impl Gathering {
             pass.dispatch_workgroups(*x, *y, 1);
         }
         drop(pass);
+        // Until this has run, nobody knows which points a frame will see.
+        let landing = geometry.landing.clone();
+        encoder.on_submitted_work_done(move || drop(landing));
         let [low, high] = self.bounds;
         *previous_origin = geometry.origin;
         geometry.origin = 0.5 * (low + high);
         geometry.half_extent = 0.5 * (high - low);
+        geometry.content = next_serial();
         geometry.moved = true;
         geometry.gathered = true;
     }

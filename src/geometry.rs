@@ -1,8 +1,8 @@
 //! Strands → GPU buffers. Strands are ordered along a Morton curve by their midpoints once, on load, so that
 //! neighbouring invocations touch neighbouring pixels; curves are cut into straight segments.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use glam::{DMat4, DVec3, Vec3};
 
@@ -30,7 +30,7 @@ pub(crate) const MAX_INSTANCES: usize = 0xffff;
 /// Tells the hairs of all renderers apart, and their buffers from those that they had before.
 static SERIAL: AtomicU64 = AtomicU64::new(1);
 
-fn next_serial() -> u64 {
+pub(crate) fn next_serial() -> u64 {
     SERIAL.fetch_add(1, Ordering::Relaxed)
 }
 
@@ -79,7 +79,12 @@ pub struct Instance {
 /// The GPU's side of a hair.
 #[derive(Debug)]
 pub(crate) struct Geometry {
+    /// Of its buffers.
     pub serial: u64,
+    /// Of its points, whatever buffer they are in: another one after every update.
+    pub content: u64,
+    /// Held by every update of the GPU's that may still run.
+    pub landing: Arc<()>,
     pub points: Allocation,
     pub attributes: Allocation,
     pub colours: Allocation,
@@ -212,6 +217,8 @@ impl Geometry {
         };
         Ok(Self {
             serial: next_serial(),
+            content: next_serial(),
+            landing: Arc::default(),
             points: buffer(
                 "pelage.geometry.points",
                 bytemuck::cast_slice(&packed.points),
@@ -277,6 +284,7 @@ impl Geometry {
         }
         gpu.queue
             .write_buffer(&self.points.buffer, 0, bytemuck::cast_slice(&packed.points));
+        self.content = next_serial();
         self.gathered = false;
         self.moved = true;
         self.origin = packed.origin;
@@ -295,6 +303,11 @@ impl Geometry {
             self.previous = Some((buffer, self.origin));
         }
         Ok(())
+    }
+
+    /// Whether no update of the GPU's is still to run: each was either done or dropped without being submitted.
+    pub fn landed(&self) -> bool {
+        Arc::strong_count(&self.landing) == 1
     }
 
     /// The points of the frame before and their origin, where they have moved.

@@ -167,7 +167,7 @@ impl Light {
     }
 }
 
-/// How a light shines, as the shaders have it, in relative space.
+/// How a light shines, as the shaders have it, in world space with another origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Emitter {
     /// Position (w = 1) or direction towards the light (w = 0).
@@ -215,9 +215,9 @@ impl LightKind {
     }
 }
 
-/// A light's view of the hair.
+/// A light's view of the hair, in the space in which the light and the hair's corners are given: the plan's anchored space.
 pub(crate) struct LightCamera {
-    pub clip_from_relative: DMat4,
+    pub clip_from_anchored: DMat4,
     /// Distance along the axis, 0 at the nearest hair.
     pub depth_row: DVec4,
     pub eye: DVec4,
@@ -450,7 +450,7 @@ fn directional_camera(axis: DVec3, corners: &[DVec3], margin: f64) -> LightCamer
     let z_row = depth_row * (0.5 / (z1 - z0)) + DVec4::W * 0.25;
     let [x_row, y_row] = rows(&rectangle, right.extend(0.0), up.extend(0.0), DVec4::W);
     let camera = LightCamera {
-        clip_from_relative: DMat4::from_cols(x_row, y_row, z_row, DVec4::W).transpose(),
+        clip_from_anchored: DMat4::from_cols(x_row, y_row, z_row, DVec4::W).transpose(),
         depth_row,
         eye: (-axis).extend(0.0),
     };
@@ -504,7 +504,7 @@ fn point_camera(
     // Clip depth 1 - plane / distance: no far plane.
     let rows = DMat4::from_cols(x_row, y_row, along - DVec4::W * plane, along);
     LightCamera {
-        clip_from_relative: rows.transpose(),
+        clip_from_anchored: rows.transpose(),
         depth_row: along - DVec4::W * near,
         eye: light.extend(1.0),
     }
@@ -536,7 +536,7 @@ mod tests {
         for corner in corners() {
             for way in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ONE.normalize()] {
                 for side in [-radius, radius] {
-                    let clip = camera.clip_from_relative * (corner + way * side).extend(1.0);
+                    let clip = camera.clip_from_anchored * (corner + way * side).extend(1.0);
                     assert!(clip.w > 0.0 && clip.z > 0.0);
                     most = most.max((clip.truncate() / clip.w).truncate().abs().max_element());
                 }
@@ -623,7 +623,7 @@ mod tests {
             (0..8).map(|i| DVec3::new(0.0, f64::from(i), 0.0)).collect(),
         ] {
             let found = light_cameras(&directional.emitter(DVec3::ZERO), &corners, 0.0);
-            let matrix = found.views[0].clip_from_relative;
+            let matrix = found.views[0].clip_from_anchored;
             assert!(matrix.is_finite() && found.width > 0.0 && found.nearest_width > 0.0);
         }
     }

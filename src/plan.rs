@@ -4,6 +4,8 @@
 mod choices;
 mod seen;
 
+use std::ops::Range;
+
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::error::{Error, Result, invalid};
@@ -51,6 +53,19 @@ pub(crate) struct PlannedMap {
     /// Uniform offsets, one a run.
     pub drawings: Vec<u32>,
     pub splits: u32,
+    /// Its words among those of all maps.
+    pub words: Range<u64>,
+    /// Whether this frame fills it, and does not take it as an earlier one has left it.
+    pub filled: bool,
+}
+
+/// A map that is to be planned.
+struct Map {
+    technique: Shadow,
+    shape: Shape,
+    camera: LightCamera,
+    /// The widest fibre's, in texels.
+    half_width: f64,
 }
 
 /// A band of rows whose pixels fit in the bindings.
@@ -72,6 +87,10 @@ pub(crate) struct Plan {
     pub runs: Vec<PlannedRun>,
     /// Which geometries the runs read, to tell when bindings must be made anew.
     pub serials: Vec<u64>,
+    /// Which points each run draws, whatever buffer they are in.
+    pub contents: Vec<u64>,
+    /// Whether all of them are surely there: no update of the GPU's is still to run.
+    pub landed: bool,
     pub maps: Vec<PlannedMap>,
     pub bands: Vec<Band>,
     pub transparency: Transparency,
@@ -143,6 +162,7 @@ struct Placed {
     /// World space from the object space of the points now, and of the frame before's points then.
     world_from_points: DMat4,
     previous_world_from_points: DMat4,
+    half_extent: DVec3,
     /// Corners of its box in relative space.
     corners: [DVec3; 8],
     scale: f64,
@@ -176,12 +196,8 @@ fn place(number: usize, hair: &Hair, at: usize, instance: &Instance, origin: DVe
     let previous_origin = geometry.previous().map_or(geometry.origin, |(_, at)| at);
     let world_from_points = world_from_instance * DMat4::from_translation(geometry.origin);
     let relative_from_object = DMat4::from_translation(-origin) * world_from_points;
-    let corners = std::array::from_fn(|corner| {
-        let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        relative_from_object
-            .transform_point3(geometry.half_extent * DVec3::new(sign(0), sign(1), sign(2)))
-    });
-    let scale = glam::DMat3::from_mat4(relative_from_object)
+    // Of what does not depend on the view: maps are kept from one to another.
+    let scale = glam::DMat3::from_mat4(world_from_points)
         .determinant()
         .abs()
         .cbrt();
@@ -192,9 +208,57 @@ fn place(number: usize, hair: &Hair, at: usize, instance: &Instance, origin: DVe
         world_from_points,
         previous_world_from_points: previous_world_from_instance
             * DMat4::from_translation(previous_origin),
-        corners,
+        half_extent: geometry.half_extent,
+        corners: corners(&relative_from_object, geometry.half_extent),
         scale,
         radius: geometry.max_radius * scale,
+    }
+}
+
+/// A box's corners in another space.
+fn corners(matrix: &DMat4, half_extent: DVec3) -> [DVec3; 8] {
+    std::array::from_fn(|corner| {
+        let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        matrix.transform_point3(half_extent * DVec3::new(sign(0), sign(1), sign(2)))
+    })
+}
+
+/// The placed hairs as lights see them, in *anchored* space: world space with the middle of all hair as its origin. What is
+/// found there is the same, bit for bit, from wherever the hair is viewed.
+struct Anchored {
+    /// In world space.
+    origin: DVec3,
+    from_points: Vec<DMat4>,
+    corners: Vec<[DVec3; 8]>,
+}
+
+impl Anchored {
+    fn new(placed: &[Placed]) -> Self {
+        let in_world = placed
+            .iter()
+            .flat_map(|hair| corners(&hair.world_from_points, hair.half_extent));
+        let (low, high) = in_world
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+                (low.min(p), high.max(p))
+            });
+        let origin = if placed.is_empty() {
+            DVec3::ZERO
+        } else {
+            0.5 * (low + high)
+        };
+        let from_points: Vec<DMat4> = placed
+            .iter()
+            .map(|hair| DMat4::from_translation(-origin) * hair.world_from_points)
+            .collect();
+        Self {
+            origin,
+            corners: from_points
+                .iter()
+                .zip(placed)
+                .map(|(matrix, hair)| corners(matrix, hair.half_extent))
+                .collect(),
+            from_points,
+        }
     }
 }
 
@@ -314,6 +378,11 @@ impl Plan {
                     [geometry.serial, u64::from(geometry.previous().is_some())]
                 })
                 .collect(),
+            contents: runs
+                .iter()
+                .map(|run| frame.hairs[run.hair].geometry.content)
+                .collect(),
+            landed: frame.hairs.iter().all(|hair| hair.geometry.landed()),
             maps: Vec::new(),
             bands: Vec::new(),
             transparency,
@@ -346,7 +415,7 @@ impl Plan {
                 &clip_from_relative,
                 frame.view.reverse_z,
                 frame.hairs,
-                &placed,
+                placed.iter().map(|placed| (placed.hair, &placed.corners)),
             ),
             cuts: match transparency {
                 Transparency::DbkBuffer(settings) => {
@@ -501,7 +570,7 @@ impl Plan {
         self.uniforms[..size].copy_from_slice(bytemuck::bytes_of(&self.frame_uniform));
     }
 
-    /// One drawing a run, alike but for the hair.
+    /// One drawing of the view a run, alike but for the hair.
     fn drawings(&mut self, frame: &Frame, placed: &[Placed], common: &layout::Drawing) -> Vec<u32> {
         let clip_from_world = |view: &View| view.clip_y_up_from_view() * view.view_from_world;
         let now = clip_from_world(&frame.view);
@@ -530,6 +599,37 @@ impl Plan {
             .collect()
     }
 
+    /// One drawing of a map a run. Nothing in it depends on the view, so that later frames can tell the map by it.
+    fn map_drawings(
+        &mut self,
+        frame: &Frame,
+        placed: &[Placed],
+        anchored: &Anchored,
+        common: &layout::Drawing,
+    ) -> Vec<u32> {
+        (0..self.runs.len())
+            .map(|number| {
+                let run = self.runs[number];
+                self.uniform(&layout::Drawing {
+                    relative_from_object: matrix(anchored.from_points[run.placed]),
+                    radius_scale: placed[run.placed].scale as f32,
+                    opacity: frame.hairs[run.hair].opacity,
+                    point_count: run.run.count,
+                    point_base: run.base,
+                    ..*common
+                })
+            })
+            .collect()
+    }
+
+    /// The uniform blocks of a map's drawings.
+    pub fn map_blocks(&self, map: &PlannedMap) -> &[u8] {
+        let [Some(first), Some(last)] = [map.drawings.first(), map.drawings.last()] else {
+            return &[];
+        };
+        &self.uniforms[*first as usize..*last as usize + size_of::<layout::Drawing>()]
+    }
+
     /// The lights with their maps.
     fn add_lights(
         &mut self,
@@ -538,7 +638,8 @@ impl Plan {
         origin: DVec3,
         gpu: &Gpu,
     ) -> Result<()> {
-        let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
+        let anchored = Anchored::new(placed);
+        let corners: Vec<DVec3> = anchored.corners.iter().flatten().copied().collect();
         let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
         for (number, light) in frame.lights.iter().enumerate() {
             let emitter = light.kind.emitter(origin);
@@ -552,7 +653,7 @@ impl Plan {
             if corners.is_empty() || self.runs.is_empty() {
                 continue;
             }
-            let cameras = light_cameras(&emitter, &corners, radius);
+            let cameras = light_cameras(&light.kind.emitter(anchored.origin), &corners, radius);
             let fibres = fibres(frame, placed, technique.needs_density());
             let sight = Sight::new(&cameras, radius, fibres);
             let Some(shape) = technique.shape(&sight) else {
@@ -586,7 +687,13 @@ impl Plan {
             };
             let half_width = sight.half_width(shape.resolution);
             for camera in cameras.views {
-                self.add_map(frame, placed, (technique, shape), &camera, half_width, gpu)?;
+                let map = Map {
+                    technique,
+                    shape,
+                    camera,
+                    half_width,
+                };
+                self.add_map(frame, placed, &anchored, &map, gpu)?;
             }
         }
         Ok(())
@@ -596,11 +703,16 @@ impl Plan {
         &mut self,
         frame: &Frame,
         placed: &[Placed],
-        (technique, shape): (Shadow, Shape),
-        camera: &LightCamera,
-        half_width: f64,
+        anchored: &Anchored,
+        map: &Map,
         gpu: &Gpu,
     ) -> Result<()> {
+        let Map {
+            technique,
+            shape,
+            ref camera,
+            half_width,
+        } = *map;
         let front_base = self.map_words;
         let layer_base = front_base + shape.fronts();
         self.map_words = layer_base + u64::from(shape.resolution).pow(2) * u64::from(shape.layers);
@@ -611,9 +723,10 @@ impl Plan {
                 gpu.max_binding()
             )));
         }
+        let anchored_from_relative = DMat4::from_translation(frame.view.origin() - anchored.origin);
         self.frame_uniform.shadow_views[self.maps.len()] = layout::ShadowView {
-            clip_from_relative: matrix(camera.clip_from_relative),
-            depth_row: vector(camera.depth_row),
+            clip_from_relative: matrix(camera.clip_from_anchored * anchored_from_relative),
+            depth_row: vector(anchored_from_relative.transpose() * camera.depth_row),
             front_base: front_base as u32,
             layer_base: layer_base as u32,
             padding_0: 0,
@@ -629,11 +742,12 @@ impl Plan {
             depth: 0.0,
             bounds: [0.0; 4],
         };
-        let drawings = self.drawings(
+        let drawings = self.map_drawings(
             frame,
             placed,
+            anchored,
             &layout::Drawing {
-                clip_from_relative: matrix(camera.clip_from_relative),
+                clip_from_relative: matrix(camera.clip_from_anchored),
                 eye: vector(camera.eye),
                 depth_row: vector(camera.depth_row),
                 viewport: [shape.resolution as f32; 2],
@@ -648,12 +762,22 @@ impl Plan {
             },
         );
         self.maps.push(PlannedMap {
-            crosses: crosses(&camera.clip_from_relative, false, frame.hairs, placed),
+            crosses: crosses(
+                &camera.clip_from_anchored,
+                false,
+                frame.hairs,
+                placed
+                    .iter()
+                    .map(|placed| placed.hair)
+                    .zip(&anchored.corners),
+            ),
             technique,
             shape,
             rasteriser: shape.raster.choose(half_width),
             drawings,
             splits: seen.splits(),
+            words: front_base..self.map_words,
+            filled: true,
         });
         Ok(())
     }
@@ -720,21 +844,19 @@ impl Plan {
 /// Rounding of a point's distance from the near plane, as part of its clip coordinates, many times over.
 const NEAR_PLANE_ROUNDING: f64 = 1e-4;
 
-/// Whether the near plane may cross the hair's boxes. What the GPU moves may be anywhere.
-fn crosses(
-    clip_from_relative: &DMat4,
+/// Whether the near plane may cross the hair's boxes: their hairs and corners. What the GPU moves may be anywhere.
+fn crosses<'a>(
+    clip_from_space: &DMat4,
     reverse_z: bool,
     hairs: &[&Hair],
-    placed: &[Placed],
+    mut boxes: impl Iterator<Item = (usize, &'a [DVec3; 8])>,
 ) -> bool {
     let behind = |corner: &DVec3| {
-        let clip = *clip_from_relative * corner.extend(1.0);
+        let clip = *clip_from_space * corner.extend(1.0);
         let distance = if reverse_z { clip.w - clip.z } else { clip.z };
         distance < NEAR_PLANE_ROUNDING * clip.w.abs().max(clip.z.abs())
     };
-    placed
-        .iter()
-        .any(|placed| hairs[placed.hair].geometry.gathered || placed.corners.iter().any(behind))
+    boxes.any(|(hair, corners)| hairs[hair].geometry.gathered || corners.iter().any(behind))
 }
 
 /// One light as one placed hair is lit by it.
@@ -845,14 +967,16 @@ fn occluders(given: &[Occluder], origin: DVec3) -> [layout::Occluder; MAX_OCCLUD
     uniforms
 }
 
-/// The first map of a light: its camera, the origin of relative space, the hair's depth range, and what it is made of.
+/// The first map of a light: its camera, the origin of anchored space, the hair's depth range, and what it is made of.
 pub(crate) fn first_map(frame: &Frame, number: usize) -> Option<(LightCamera, DVec3, f64, Shape)> {
-    let origin = frame.view.origin();
     let hairs = frame.hairs.iter().enumerate();
     let placed: Vec<Placed> = hairs
-        .flat_map(|(number, hair)| place_all(number, hair, origin))
+        .flat_map(|(number, hair)| place_all(number, hair, DVec3::ZERO))
         .collect();
-    let corners: Vec<DVec3> = placed.iter().flat_map(|hair| hair.corners).collect();
+    let Anchored {
+        origin, corners, ..
+    } = Anchored::new(&placed);
+    let corners: Vec<DVec3> = corners.into_iter().flatten().collect();
     let radius = placed.iter().fold(0.0f64, |a, hair| a.max(hair.radius));
     let emitter = frame.lights[number].kind.emitter(origin);
     let mut cameras = light_cameras(&emitter, &corners, radius);

@@ -125,6 +125,17 @@ impl Renderer {
         self.gpu.set_byte_budget(budget);
     }
 
+    /// Whether a frame takes the shadow maps that an earlier one has filled, where all is as it was then: the hairs' points,
+    /// places and opacities, the light and its technique, whatever the view. On by default: the picture is the same, bit for
+    /// bit. Off for a measurement of frames with everything new, or where frames are submitted in another order than they
+    /// were recorded in.
+    ///
+    /// What has been filled counts only once it is known to have run: the first frames after a change fill their maps
+    /// again until the counters of one have come back.
+    pub fn set_shadow_reuse(&mut self, reuse: bool) {
+        self.resources.set_shadow_reuse(reuse);
+    }
+
     /// States the GPU memory that the renderer will hold once a frame has been recorded. The technique, the viewport, the hairs,
     /// pools' own `pool_bytes` and the byte budget decide it, together with what the last frames left and how many fragments
     /// they needed: pools grow and are kept. The device's memory and this renderer are as before.
@@ -157,7 +168,8 @@ impl Renderer {
     }
 
     /// Records a frame into the host's encoder and submits nothing. At most eight frames may be recorded before the
-    /// first of them is submitted.
+    /// first of them is submitted. They are submitted in the order in which they were recorded, or not at all: a frame may
+    /// take shadow maps that one before it has filled ([`Renderer::set_shadow_reuse`]).
     ///
     /// # Errors
     /// A value out of range, named; a conflict of wishes; a target that does not fit; no memory. Nothing has then been
@@ -205,6 +217,9 @@ impl Renderer {
         frame::record(&mut self.gpu, passes, &self.resources, &plan, target)?;
         self.statistics.strands = plan.strands;
         self.statistics.segments = plan.segments;
+        let filled = plan.maps.iter().filter(|map| map.filled).count();
+        self.statistics.shadow_maps_filled = filled as u64;
+        self.statistics.shadow_maps_taken = (plan.maps.len() - filled) as u64;
         if plan.runs.is_empty() {
             self.statistics.fragments = Fragments::default();
         }

@@ -10,9 +10,10 @@ use crate::gpu::{Allocation, Gpu, Group, ImageAllocation, Passes};
 use crate::layout::{Counters, MAX_OCCLUDERS, ORDER_KEYS, PointOutput, Projected};
 use crate::memory::Forecast;
 use crate::occluder::Occluder;
-use crate::plan::{POOL_MARGIN, Plan, most_fragments, part_capacity};
+use crate::plan::{POOL_MARGIN, Plan, PlannedMap, most_fragments, part_capacity};
 use crate::raster::{ATTACHMENT, Rasteriser};
 use crate::shading::{ShadingRate, tables, transmission};
+use crate::shadow::held::HeldMaps;
 use crate::surface::{Subresource, Surface};
 use crate::transparency::a_buffer::{self, FRAGMENT_BYTES, KEY_BYTES, NODE_BYTES};
 use crate::transparency::{Fragments, Transparency, read_group};
@@ -75,6 +76,8 @@ struct Slot {
     fills: u64,
     /// The order that it sorts; 0: none.
     sorts: u64,
+    /// The shadow maps that it fills and later frames may take.
+    maps: Vec<u64>,
     frame: Option<wgpu::BindGroup>,
     frame_without_depth: Option<wgpu::BindGroup>,
     depth: Option<(wgpu::Texture, Subresource)>,
@@ -243,6 +246,7 @@ pub(crate) struct Resources {
     point_outputs: Allocation,
     host_tiles: Allocation,
     maps: Allocation,
+    held_maps: HeldMaps,
     tables: tables::Held,
     bounds: transmission::Bounds,
     pixels: Pixels,
@@ -368,6 +372,7 @@ impl Resources {
                     capacity: 0,
                     fills: 0,
                     sorts: 0,
+                    maps: Vec::new(),
                     frame: None,
                     frame_without_depth: None,
                     depth: None,
@@ -385,6 +390,7 @@ impl Resources {
             point_outputs: empty("pelage.geometry.point_outputs")?,
             host_tiles: empty("pelage.geometry.host_tiles")?,
             maps: empty("pelage.shadow.maps")?,
+            held_maps: HeldMaps::default(),
             tables: tables::Held::default(),
             bounds: transmission::Bounds::default(),
             pixels: Pixels::new(gpu)?,
@@ -440,9 +446,13 @@ impl Resources {
             plan.set_tables(hair, place);
         }
         let mut growth = Growth::Made { gpu, count: 0 };
+        let map_bytes = self.maps.size();
         let grown = self.grow(gpu, plan, &mut growth);
         if let Growth::Made { count, .. } = growth {
             self.generation += count;
+        }
+        if self.maps.size() != map_bytes {
+            self.held_maps.forget();
         }
         self.capacity = grown?;
         self.find_order(frame, plan);
@@ -459,6 +469,7 @@ impl Resources {
         }
         plan.seal(self.capacity);
         self.slot = (self.slot + 1) % RING;
+        self.held_maps.take(plan, &mut self.slots[self.slot].maps);
         self.write_uniforms(gpu, plan, target)
     }
 
@@ -1032,13 +1043,22 @@ impl Resources {
         })
     }
 
-    /// Clears the shadow maps for a new frame.
+    /// Clears the shadow maps that a frame fills.
     pub fn clear_maps(&self, passes: &mut Passes, plan: &Plan) {
-        if plan.map_words > 0 {
+        let filled = || plan.maps.iter().filter(|map| map.filled);
+        if filled().next().is_some() {
             passes.encode("pelage.shadow.clear", |encoder| {
-                encoder.clear_buffer(&self.maps.buffer, 0, Some(plan.map_words * 4));
+                for PlannedMap { words, .. } in filled() {
+                    let bytes = 4 * (words.end - words.start);
+                    encoder.clear_buffer(&self.maps.buffer, 4 * words.start, Some(bytes));
+                }
             });
         }
+    }
+
+    /// Whether frames take the shadow maps of earlier ones.
+    pub fn set_shadow_reuse(&mut self, reuse: bool) {
+        self.held_maps.set_reuse(reuse);
     }
 
     /// Counters of a frame that draws no hair.
@@ -1085,6 +1105,7 @@ impl Resources {
                     // A frame that was recorded and never submitted has filled nothing.
                     self.tables.mark_filled(slot.fills);
                     self.found.known |= slot.sorts > 0 && slot.sorts == self.found.number;
+                    self.held_maps.mark_filled(&slot.maps);
                     slot.counters.buffer.unmap();
                     slot.state.store(IDLE, Ordering::Release);
                 }

@@ -35,6 +35,10 @@ pub struct Statistics {
     pub fragments: Fragments,
     /// Pixels that hold a fragment (counted arrays only; 0 elsewhere).
     pub covered_pixels: u64,
+    /// Shadow maps that the latest frame recorded fills: six of a light among the hair, else one a light.
+    pub shadow_maps_filled: u64,
+    /// Shadow maps that it takes as an earlier frame has filled them; see [`crate::Renderer::set_shadow_reuse`].
+    pub shadow_maps_taken: u64,
     /// Bytes of GPU memory held, by label.
     pub bytes: Vec<(String, u64)>,
     /// Sum of `bytes`.

@@ -139,7 +139,7 @@ pub fn light_map(frame: &crate::Frame, light: usize) -> Option<LightMap> {
     let (camera, origin, extent, shape) = crate::plan::first_map(frame, light)?;
     let row = camera.depth_row;
     Some(LightMap {
-        clip_from_world: camera.clip_from_relative * glam::DMat4::from_translation(-origin),
+        clip_from_world: camera.clip_from_anchored * glam::DMat4::from_translation(-origin),
         depth_row: row.truncate().extend(row.w - row.truncate().dot(origin)),
         extent,
         bias: shape.bias,

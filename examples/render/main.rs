@@ -42,6 +42,9 @@ struct Arguments {
     /// How many frames to time, after two that warm up.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
+    /// Fill the shadow maps anew in every frame, and do not take what an earlier one has filled.
+    #[arg(long)]
+    fresh_shadows: bool,
     /// Override a key of the scene; may be repeated.
     #[arg(long, value_name = "GROUP.KEY=JSON")]
     set: Vec<String>,
@@ -121,6 +124,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     let mesh = meshes::load(&scene)?;
     step("opening a device");
     let mut renderer = Renderer::new(&scene, &groom, &mesh)?;
+    renderer.set_shadow_reuse(!arguments.fresh_shadows);
     step("warming up");
     for _ in 0..WARM_UP_FRAMES {
         renderer.render()?;

@@ -83,6 +83,11 @@ impl Renderer {
         })
     }
 
+    /// Whether frames take the shadow maps of those before them.
+    pub fn set_shadow_reuse(&mut self, reuse: bool) {
+        self.offscreen.renderer.set_shadow_reuse(reuse);
+    }
+
     /// Renders a frame and waits for it. Returns the wall clock from the start of recording, in milliseconds.
     pub fn render(&mut self) -> Result<f64> {
         let start = Instant::now();
@@ -233,6 +238,10 @@ impl Renderer {
                 "merged": statistics.fragments.merged,
             },
             "covered_pixels": covered,
+            "shadow_maps": {
+                "filled": statistics.shadow_maps_filled,
+                "taken": statistics.shadow_maps_taken,
+            },
             "settings": self.settings(scene),
         }))
     }

@@ -2,7 +2,8 @@
 // sizes and offsets as naga reads them.
 
 // One dispatch or draw: a run of one hair's strands, as a view or a light sees it. Relative space is world space
-// with the eye of the frame's view as its origin, so that large world coordinates cost no precision.
+// with the eye of the frame's view as its origin, so that large world coordinates cost no precision. For maps its origin is
+// the middle of all hair, and what follows `map_colour` is zero: nothing of a map's drawing depends on the view.
 struct Drawing {
     clip_from_relative: mat4x4f,
     relative_from_object: mat4x4f,

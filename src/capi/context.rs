@@ -151,6 +151,25 @@ pub extern "C" fn pelage_context_set_byte_budget(
     })
 }
 
+/// Whether frames take the shadow maps that an earlier frame has filled, where all is as it was then: the hairs' points, places
+/// and opacities, the light and its technique, whatever the view. 1, which is the default, does not change the picture; 0 is for
+/// measurements of frames with everything new.
+#[unsafe(no_mangle)]
+pub extern "C" fn pelage_context_set_shadow_reuse(
+    context: PelageContext,
+    reuse: u32,
+) -> PelageResult {
+    guard(|| {
+        let reuse = flag("reuse", reuse)?;
+        context.with(|state| {
+            state.host.with_renderer(|renderer| {
+                renderer.set_shadow_reuse(reuse);
+                Ok(())
+            })
+        })
+    })
+}
+
 /// Waits until the GPU has done all that was asked of it on a context. Other calls on the context wait too.
 ///
 /// Errors: `PELAGE_DEVICE_LOST`.

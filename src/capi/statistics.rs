@@ -37,6 +37,10 @@ pub struct PelageStatistics {
     pub bytes_total: u64,
     /// The largest `bytes_total` so far.
     pub bytes_peak: u64,
+    /// Shadow maps that the latest frame fills: six of a light among the hair, else one a light.
+    pub shadow_maps_filled: u64,
+    /// Shadow maps that it takes as an earlier frame has filled them; see `pelage_context_set_shadow_reuse`.
+    pub shadow_maps_taken: u64,
 }
 
 impl Default for PelageStatistics {
@@ -53,11 +57,13 @@ impl Default for PelageStatistics {
             covered_pixels: 0,
             bytes_total: 0,
             bytes_peak: 0,
+            shadow_maps_filled: 0,
+            shadow_maps_taken: 0,
         }
     }
 }
 
-descriptor!(PelageStatistics, "PELAGE_STATISTICS_INIT", bytes_peak: u64);
+descriptor!(PelageStatistics, "PELAGE_STATISTICS_INIT", shadow_maps_taken: u64);
 
 /// Bytes of a label, its NUL included.
 pub const PELAGE_LABEL_SIZE: usize = 96;
@@ -101,6 +107,8 @@ pub unsafe extern "C" fn pelage_statistics(
             covered_pixels: now.covered_pixels,
             bytes_total: now.bytes_total,
             bytes_peak: now.bytes_peak,
+            shadow_maps_filled: now.shadow_maps_filled,
+            shadow_maps_taken: now.shadow_maps_taken,
             ..Default::default()
         };
         // SAFETY: the rule of the module `capi`.

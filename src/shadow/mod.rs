@@ -5,6 +5,7 @@
 
 pub mod approximated_deep_shadow_map;
 pub mod deep_opacity_map;
+pub(crate) mod held;
 pub mod k_buffer_volume;
 pub mod moment_opacity_map;
 pub mod none;

@@ -89,6 +89,7 @@ fn context_calls(context: PelageContext) -> Vec<PelageResult> {
         vec![
             pelage_context_adapter(context, &mut adapter),
             pelage_context_set_byte_budget(context, 0),
+            pelage_context_set_shadow_reuse(context, 1),
             pelage_wait(context),
             pelage_statistics(context, &mut statistics),
             pelage_bytes_by_label(context, 0, std::ptr::null_mut(), &mut count),

@@ -449,7 +449,9 @@ fn initialisers() -> String {
         fragments_merged,
         covered_pixels,
         bytes_total,
-        bytes_peak
+        bytes_peak,
+        shadow_maps_filled,
+        shadow_maps_taken
     );
     initialiser!(
         PelageVulkanInstance,

@@ -16,7 +16,7 @@ use crate::common::{Device, device};
 use super::support::{HALF_FLOATS, OPAQUE, directional, draw, light, ratios};
 
 /// Every technique that has maps, of a size, at its defaults.
-fn techniques(resolution: u32, raster: Raster) -> Vec<Shadow> {
+pub fn techniques(resolution: u32, raster: Raster) -> Vec<Shadow> {
     let with_maps = pelage::testing::shadows()
         .into_iter()
         .filter(|shadow| *shadow != Shadow::None);

@@ -8,5 +8,6 @@ mod k_buffer_volume;
 mod moment_opacity_map;
 mod none;
 mod opacity_shadow_maps;
+mod reuse;
 mod shadow_map;
 mod support;

@@ -48,6 +48,8 @@ pub struct Case {
     pub pool: Option<f64>,
     /// The depth shift as a part of the groom's extent along the view; it becomes `depth_shift` when that is known.
     pub shift: Option<f64>,
+    /// Whether frames take the shadow maps of those before them, as they do of themselves; in cases that time whole frames.
+    pub reuse: bool,
 }
 
 impl Case {
@@ -84,6 +86,9 @@ impl Case {
             }
             if self.group == Group::Frames {
                 map.insert("shadow".into(), self.shadow.stem().into());
+            }
+            if self.reuse {
+                map.insert("shadow_reuse".into(), true.into());
             }
         }
         settings
@@ -375,6 +380,7 @@ fn defaults() -> Vec<Case> {
         rate: None,
         pool: None,
         shift: None,
+        reuse: false,
     };
     let shadow = Case {
         group: Group::Shadow,
@@ -441,6 +447,7 @@ fn ladder(quick: bool) -> Vec<Case> {
         rate: None,
         pool: None,
         shift: None,
+        reuse: false,
     };
     let mut cases = Vec::new();
     for exponent in [10.0, 60.0, 300.0] {
@@ -492,6 +499,16 @@ fn ladder(quick: bool) -> Vec<Case> {
             cases.extend(rates.iter().map(rated));
         }
     }
+    // What moving nothing but the camera costs, beside the same frame with everything new.
+    cases.push(Case {
+        reuse: true,
+        ..opaque(
+            Group::Frames,
+            white(0.09, 60.0),
+            Shadow::DeepOpacityMap(DeepOpacityMap::default()),
+            Some(ShadingRate::Point),
+        )
+    });
     let base = Case {
         group: Group::Transparency,
         ..base

@@ -186,6 +186,7 @@ impl<'a> Bench<'a> {
     /// The scene's groom with the case's shading.
     pub fn new(scene: &Scene, truth: &'a Truth, case: &Case) -> Result<Self> {
         let mut offscreen = Offscreen::new(&OffscreenOptions::default()).map_err(sentence)?;
+        offscreen.renderer.set_shadow_reuse(case.reuse);
         let [width, height] = scene.size;
         let image = offscreen
             .create_image(

@@ -28,6 +28,8 @@ of white.
   fragments the models are the same; what differs is how many there are.
 - **Frames**: whole frames of all models, which take turns; ratios are those to Kajiya-Kay's frame of the same round; the shading
   passes submitted alone, but at `rate` fragment, where the resolve shades. `chiang` and `marschner` come through tables of the default size, and directly.
+  A row with `shadow_reuse` takes the shadow maps of the frame before, as frames do where only the camera moves; in all other
+  rows of all groups every frame fills its own.
 - **Shading**: the nearest fragments' picture against the reference's, without shadows; time of the whole frame. Where a row
   names its `rate`, the reference is shaded at fragments, else at strand points.
 - \"Passes\" are those of geometry, shading, transparency and composite, each submitted alone, in one frame.
