@@ -17,6 +17,13 @@ struct ShadowTexel {
     fibres: f32,
 }
 
+// What single precision gets wrong of a depth, as a part of the terms that it is the sum of: a few roundings. Those of a point that
+// is far from the eye, but close behind another one, are large beside its depth.
+const SHADOW_DEPTH_ROUNDING: f32 = 4.8e-7;
+
+// Of the position that is looked up.
+var<private> shadow_depth_rounding: f32;
+
 // The map of a light that sees a position: the cube's face by the largest component, or the only map.
 fn shadow_face(position: vec3f, light: u32) -> u32 {
     if frame.lights[light].map_count == 1u { return frame.lights[light].map_first; }
@@ -35,7 +42,9 @@ fn shadow_filtered(position: vec3f, light: u32, width: i32) -> ShadowSample {
     let resolution = i32(frame.lights[light].resolution);
     let clip = frame.shadow_views[map].clip_from_relative * vec4f(position, 1.0);
     let place = vec2f(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w) * f32(resolution);
-    let exact = dot(frame.shadow_views[map].depth_row, vec4f(position, 1.0));
+    let depth_row = frame.shadow_views[map].depth_row;
+    let exact = dot(depth_row, vec4f(position, 1.0));
+    shadow_depth_rounding = SHADOW_DEPTH_ROUNDING * dot(abs(depth_row), abs(vec4f(position, 1.0)));
     let depth = exact - frame.lights[light].bias;
     shadow_own_begin(position, clip, exact, map, light);
 

@@ -1,5 +1,9 @@
 // Moment opacity map: the look-up.
 
+// A fibre that is no farther behind the front than this part of its radius is the front: maps and look-ups round differently, and at
+// a place a little beside its own mass it would find that mass before it.
+const MOMENT_OWN_FRONT: f32 = 0.0625;
+
 fn moment_sum(texel: u32, sum: u32, carries: u32) -> f32 {
     let carried = (carries >> (sum * MOMENT_CARRY_BITS)) & MOMENT_CARRY_MASK;
     return f32(shadow_maps[texel + sum]) + f32(carried) * 4294967296.0;
@@ -18,7 +22,8 @@ fn shadow_texel(place: vec2u, map: u32, light: u32, depth: f32) -> ShadowTexel {
     let before = select(depth, own.depth, own.optical_depth > 0.0);
     let own_mass = min(own.optical_depth, MOMENT_OPAQUE);
     let behind = before - front;
-    if total == 0.0 || !(behind > 0.0) { return ShadowTexel(vec3f(1.0), 0.0); }
+    let nearest = max(shadow_depth_rounding, MOMENT_OWN_FRONT * shadow_fibre.radius);
+    if total == 0.0 || !(behind > nearest) { return ShadowTexel(vec3f(1.0), 0.0); }
     let x = moment_place(behind / frame.shadow_views[map].values.x);
     if (carries & MOMENT_OVERFLOWED) != 0u {
         return shadow_passed(MOMENT_OVERFLOW_DEPTH * 0.5 * (x + 1.0), map);
