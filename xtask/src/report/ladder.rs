@@ -504,7 +504,7 @@ fn ladder(quick: bool) -> Vec<Case> {
         reuse: true,
         ..opaque(
             Group::Frames,
-            white(0.09, 60.0),
+            rated_models(Some(DualScattering::default()))[0],
             Shadow::DeepOpacityMap(DeepOpacityMap::default()),
             Some(ShadingRate::Point),
         )
