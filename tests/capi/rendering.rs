@@ -29,6 +29,31 @@ fn a_frame_shows_hair_where_it_is_and_nothing_elsewhere() {
 }
 
 #[test]
+fn shadow_maps_are_kept_unless_the_context_is_told_otherwise() {
+    let context = Context::new();
+    let (hair, target) = (context.hair(), context.target(PELAGE_FORMAT_RGBA16F, false));
+    let (lights, view, hairs) = ([PelageLight::default()], view(), [hair]);
+    let frame = frame(&hairs, &lights, &view);
+    let maps = || {
+        // SAFETY: the frame points to values that live.
+        ok(unsafe { pelage_render(context.0, &frame, target, PELAGE_RENDER_CLEAR) });
+        ok(pelage_wait(context.0));
+        let statistics = context.statistics();
+        (statistics.shadow_maps_filled, statistics.shadow_maps_taken)
+    };
+    assert_eq!([maps(), maps()], [(1, 0), (0, 1)]);
+    ok(pelage_context_set_shadow_reuse(context.0, 0));
+    assert_eq!([maps(), maps()], [(1, 0), (1, 0)]);
+    ok(pelage_context_set_shadow_reuse(context.0, 1));
+    assert_eq!([maps(), maps()], [(1, 0), (0, 1)]);
+    wrong(
+        pelage_context_set_shadow_reuse(context.0, 2),
+        "reuse 2 is neither 0 nor 1",
+    );
+    assert_eq!(maps(), (0, 1), "as it was");
+}
+
+#[test]
 fn moved_and_turned_hair_is_drawn_where_it_went() {
     let context = Context::new();
     let (hair, target) = (context.hair(), context.target(PELAGE_FORMAT_RGBA16F, false));
