@@ -1,6 +1,6 @@
 //! Shadow techniques: how much of a light reaches a point through the hair.
 //!
-//! A technique with maps says what each is made of ([`Shape`]), fills it (`record`), and is looked up by its files'
+//! A technique with maps says what each is made of (`Shape`), fills it (`record`), and is looked up by its files'
 //! `shadow_texel`. One technique serves all lights of a frame; their settings may differ.
 
 pub mod approximated_deep_shadow_map;
