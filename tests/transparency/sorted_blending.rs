@@ -1,9 +1,11 @@
 //! Sorted blending: exact where every segment of a pixel has a bin of its own, and near it where bins are fine.
 
-use pelage::glam::{DVec3, Vec3};
+use pelage::glam::{DMat4, DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, Strands, builtin};
+use pelage::host::offscreen::Offscreen;
 use pelage::transparency::{BlendOrder, SortedBlending, Transparency};
-use pelage::{Error, Frame, Hair, Target};
+use pelage::wgpu::{self, Limits};
+use pelage::{Error, Frame, Hair, Instance, Target};
 use pelage_reference::blending;
 use pelage_reference::composite::point_colours;
 use pelage_reference::error::{alpha_error, colour_error};
@@ -15,6 +17,7 @@ use crate::common::scenes::{
     world,
 };
 use crate::common::{Device, device};
+use crate::limits::{least, open};
 
 /// 32-bit floats: as of the A-buffer.
 const FULL: Tolerance = Tolerance {
@@ -280,4 +283,113 @@ fn bins_out_of_range_are_refused() {
             "{error:?}"
         );
     }
+}
+
+/// Bytes of a binding on the small device: 1,344 projected points, or 8,192 words of the histogram.
+const SMALL_BINDING: u64 = 1 << 15;
+
+/// A device that binds so little at once.
+fn small_device() -> Offscreen {
+    let (device, queue, info) = open(Limits {
+        max_storage_buffer_binding_size: SMALL_BINDING,
+        ..least()
+    });
+    Offscreen::on(&device, &queue, info).unwrap()
+}
+
+/// A head of hair twice, and another of other colours and opacity among it.
+fn heads(offscreen: &mut Offscreen, strands: [usize; 2]) -> [Hair; 2] {
+    let grooms = [BuiltinGroom::Wavy, BuiltinGroom::Straight];
+    let mut hairs = [0, 1].map(|number| {
+        let strands = builtin(grooms[number], strands[number]).unwrap();
+        let colours = (0..strands.strand_count())
+            .map(|i| [(i % 5) as f32 / 4.0, number as f32, (i % 3) as f32 / 2.0])
+            .collect();
+        let strands = strands.with_root_tip_radii(2e-3, 1e-3).unwrap();
+        let strands = strands.with_colours(colours).unwrap();
+        let mut hair = offscreen.renderer.create_hair(&strands).unwrap();
+        (hair.shading, hair.opacity) = (WHITE, 0.3 + 0.3 * number as f32);
+        hair
+    });
+    let at = |x: f64| Instance {
+        object_from_instance: DMat4::from_translation(DVec3::new(x, 0.0, 0.5 * x)),
+        previous_object_from_instance: None,
+    };
+    hairs[0].instances = vec![at(0.0), at(0.02)];
+    hairs
+}
+
+/// One frame of the heads; whether it was sorted, and the bytes of a label beside them.
+struct Drawn {
+    pixels: Vec<[u32; 4]>,
+    sorted: bool,
+    points: u64,
+    histogram: u64,
+}
+
+fn draw(offscreen: &mut Offscreen, hairs: &[Hair; 2], settings: SortedBlending) -> Drawn {
+    let [width, height] = SIZE;
+    let format = wgpu::TextureFormat::Rgba16Float;
+    let image = offscreen
+        .create_image(width, height, format, false)
+        .unwrap();
+    let target = Target::cleared(&image.colour);
+    let frame = Frame {
+        hairs: &[&hairs[0], &hairs[1]],
+        lights: &[sunlight()],
+        ambient: Vec3::ZERO,
+        view: portrait(SIZE),
+        transparency: technique(settings),
+    };
+    let renderer = &mut offscreen.renderer;
+    let estimate = renderer.memory_estimate(&frame, &(&target).into()).unwrap();
+    let statistics = renderer.render_timed(&frame, &target).unwrap();
+    assert_eq!(estimate.bytes, statistics.bytes, "{settings:?}");
+    let sort = "pelage.transparency.sorted_blending.sort";
+    let pixels = offscreen.read_colour(&image.colour).unwrap();
+    Drawn {
+        pixels: (pixels.iter().map(|pixel| pixel.to_array().map(f32::to_bits))).collect(),
+        sorted: statistics.passes.iter().any(|pass| pass.label == sort),
+        points: estimate.of("pelage.geometry.projected"),
+        histogram: estimate.of("pelage.transparency.sorted_blending.histogram"),
+    }
+}
+
+#[test]
+fn points_and_histograms_of_several_bindings_are_drawn_as_those_of_one() {
+    let Some(mut whole) = device() else { return };
+    let mut parts_seen = Vec::new();
+    for (strands, bins) in [
+        ([10, 10], [64, 64]),
+        ([20, 30], [512, 700]),
+        ([40, 30], [600, 1024]),
+        ([60, 40], [700, 1900]),
+    ] {
+        let expected_hairs = heads(&mut whole, strands);
+        let mut small = small_device();
+        let hairs = heads(&mut small, strands);
+        for (order, bins) in ORDERS.into_iter().zip(bins) {
+            let settings = SortedBlending {
+                bins,
+                order,
+                reuse: 2,
+                ..Default::default()
+            };
+            let expected = draw(&mut whole, &expected_hairs, settings).pixels;
+            let covered = expected.iter().filter(|p| f32::from_bits(p[3]) > 0.5);
+            eprintln!("{}", covered.count());
+            let drawn = [0; 4].map(|_| draw(&mut small, &hairs, settings));
+            assert_eq!(
+                drawn.each_ref().map(|drawn| drawn.sorted),
+                [true, false, false, true]
+            );
+            for drawn in &drawn {
+                assert!(drawn.pixels == expected, "{strands:?}, {settings:?}");
+            }
+            let parts = [drawn[0].points, drawn[0].histogram];
+            eprintln!("{parts:?}");
+            parts_seen.push(parts.map(|bytes| bytes.div_ceil(SMALL_BINDING)));
+        }
+    }
+    eprintln!("{parts_seen:?}");
 }
