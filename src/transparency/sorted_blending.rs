@@ -129,7 +129,7 @@ impl Parts {
     }
 
     /// How many they are.
-    pub fn number(&self) -> u64 {
+    fn number(&self) -> u64 {
         self.count.div_ceil(self.each).max(1)
     }
 
@@ -271,8 +271,9 @@ fn sort(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, plan: &P
         pipelines.push(gpu.compute(key, entry, &groups, module)?);
     }
     passes.encode(label, |encoder| {
-        let words = plan.sorting.histogram.ranges();
-        for (part, [_, words]) in bound.histogram.iter().zip(words) {
+        let histogram = plan.sorting.histogram;
+        let parts = bound.histogram.iter().zip(histogram.ranges());
+        for (part, [_, words]) in parts.take(histogram.number() as usize) {
             encoder.clear_buffer(&part.buffer, 0, Some(words * 4));
         }
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
