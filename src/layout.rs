@@ -138,7 +138,7 @@ pub struct Frame {
     pub place_of_depth: [f32; 4],
     pub technique: [f32; 4],
     pub occluder_count: u32,
-    pub padding_0: u32,
+    pub unseen: f32,
     pub padding_1: u32,
     pub padding_2: u32,
     pub lights: [Light; MAX_LIGHTS],

@@ -383,7 +383,7 @@ impl Plan {
                 place_of_depth: place_of_depth(&clip_from_relative, &placed, frame.view.reverse_z),
                 technique: transparency.values(),
                 occluder_count: occluded_by.len() as u32,
-                padding_0: 0,
+                unseen: transparency.unseen(),
                 padding_1: 0,
                 padding_2: 0,
                 lights: bytemuck::Zeroable::zeroed(),

@@ -105,6 +105,7 @@ files![
     "transparency/a_buffer_emit",
     "transparency/a_buffer_overflow",
     "transparency/a_buffer_read",
+    "transparency/a_buffer_sorted",
     "transparency/k_buffer",
     "transparency/k_buffer_single_pass",
     "transparency/k_buffer_single_pass_emit",

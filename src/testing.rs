@@ -578,7 +578,7 @@ pub fn layouts() -> Vec<Layout> {
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
             part_capacity, origin, cut_depth, depth_shift, fibre_runs, seed, key_first, key_packing, place_of_depth, technique,
-            occluder_count, padding_0, padding_1, padding_2, lights, shadow_views, occluders,
+            occluder_count, unseen, padding_1, padding_2, lights, shadow_views, occluders,
         }
         Occluder { clip_from_relative, light, pcf, bias, flags }
         Material { values }

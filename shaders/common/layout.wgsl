@@ -147,7 +147,8 @@ struct Frame {
     // Settings of the transparency technique, in the order in which its files read them.
     technique: vec4f,
     occluder_count: u32,
-    padding_0: u32,
+    // What lies behind this transmittance is not composited.
+    unseen: f32,
     padding_1: u32,
     padding_2: u32,
     lights: array<Light, MAX_LIGHTS>,

@@ -1,5 +1,6 @@
-// A-buffer: the resolve. Selects a pixel's fragments in order of (depth, segment), eight at a time in registers, and
-// composites them front to back until the rest cannot be seen; then the overflow's tail.
+// A-buffer: the resolve. Composites a pixel's fragments front to back until the rest cannot be seen, and then the overflow's
+// tail. `a_buffer_sorted` orders most of counted arrays; what it leaves, and lists, are selected here in order of
+// (depth, segment), eight at a time in registers.
 //
 // Each round reads all of the pixel's keys, eight at a time, puts these in order by Batcher's network, and takes of them and of the
 // eight that are kept the lower ones, in order again by half a bitonic network: 39 steps without a branch for eight keys, where
@@ -57,17 +58,20 @@ fn resolve(pixel: vec2u) -> Resolved {
     let number = pixel_number(pixel);
     let first = a_buffer_first(number);
     let count = a_buffer_count(number, first);
-    var result = Resolved(vec4f(0.0), A_BUFFER_NONE);
-    var transmittance = 1.0;
-    var colour = vec3f(0.0);
+    var begun = Composition(vec3f(0.0), 1.0, 0u, 0u, A_BUFFER_NONE);
+    if !LISTS { begun = a_buffer_sorted(first, count); }
+    let unseen = frame.unseen;
+    var result = Resolved(vec4f(0.0), begun.nearest);
+    var transmittance = begun.transmittance;
+    var colour = begun.colour;
     // Fragments with a lower key are done. Where more of one key than a round holds are left, `grouped` is set, and of
     // that key those whose points come before `point` are done.
-    var key = 0u;
+    var key = begun.key;
     var point = 0u;
     var grouped = false;
-    var done = 0u;
+    var done = begun.done;
     let rounds = A_BUFFER_STEPS / (count + 9u);
-    for (var round = 0u; round < rounds && done < count && transmittance > A_BUFFER_UNSEEN; round++) {
+    for (var round = 0u; round < rounds && done < count && transmittance > unseen; round++) {
         let none = Candidate(A_BUFFER_NONE, A_BUFFER_NONE);
         var k0 = none;
         var k1 = none;
@@ -188,7 +192,7 @@ fn resolve(pixel: vec2u) -> Resolved {
             k6 = k7;
             k7 = moved;
         }
-        for (var i = 0u; i < take && k0.key < end && transmittance > A_BUFFER_UNSEEN; i++) {
+        for (var i = 0u; i < take && k0.key < end && transmittance > unseen; i++) {
             let words = a_buffer_words(k0.place);
             let value = a_buffer_value(words.y);
             colour += transmittance * value.x * shaded_colour(words.x, value.y);
@@ -215,7 +219,7 @@ fn resolve(pixel: vec2u) -> Resolved {
             key += 1u;
         }
     }
-    if done < count && transmittance > A_BUFFER_UNSEEN {
+    if done < count && transmittance > unseen {
         var depth = 0.0;
         var weight = 0.0;
         var sum = vec3f(0.0);
@@ -235,13 +239,13 @@ fn resolve(pixel: vec2u) -> Resolved {
         colour += transmittance * (1.0 - through) * sum / max(weight, 1e-20);
         transmittance *= through;
     }
-    if a_buffer_overflowed() && transmittance > A_BUFFER_UNSEEN {
+    if a_buffer_overflowed() && transmittance > unseen {
         let tail = tail_of(number);
         colour += transmittance * tail.xyz;
         transmittance *= tail.w;
         if result.key == A_BUFFER_NONE && tail.w < 1.0 { result.key = a_buffer_tail_key(number); }
     }
-    if transmittance > A_BUFFER_UNSEEN {
+    if transmittance > unseen {
         let beyond = resolve_beyond(number);
         colour += transmittance * beyond.xyz;
         transmittance *= beyond.w;

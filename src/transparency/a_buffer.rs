@@ -63,6 +63,8 @@ const OVERFLOW_WORKGROUPS: u32 = 256;
 pub(crate) const EMISSIONS: [Emission; 6] =
     [COUNT, RANGE, HISTOGRAM, SCATTER, SCATTER_OVERFLOW, LIST];
 
+/// What lies behind this transmittance changes a pixel by less than 1/4096 of its own radiance.
+pub(crate) const UNSEEN: f32 = 1.0 / 4096.0;
 /// Rounds of the search for a pixel's share; each parts the depth range by four: 4⁵ = 1,024 depths a pixel.
 const SEARCH_ROUNDS: u32 = 5;
 
@@ -362,6 +364,7 @@ pub(crate) fn resolve_module(common: Module, storage: Storage, shader: Option<&S
             "transparency/tail",
             "transparency/a_buffer_whole",
             "transparency/a_buffer_read",
+            "transparency/a_buffer_sorted",
             "transparency/a_buffer",
         ])
         .with("LISTS", Constant::Bool(storage == Storage::Lists))

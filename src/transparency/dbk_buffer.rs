@@ -4,7 +4,8 @@
 //! A first walk sums every fragment's optical depth Ω = -ln(1 - opacity) in eight bins of depth a pixel, rounded down, and counts
 //! it. The cut-off is the end of the bin in which the sum reaches -ln ε. With K the fragments before it and R the rest,
 //! the pixel's exact alpha is 1 - T_K T_R and the drawn one 1 - T_K; they differ by T_K (1 - T_R) ≤ T_K ≤ ε. The colour lacks
-//! T_K times the rest's own composite, which is no brighter than its brightest fragment: ε times that at most.
+//! T_K times the rest's own composite, which is no brighter than its brightest fragment: ε times that at most. The resolve stops
+//! where the transmittance is ε, by the same bound: where finding cut-offs would take longer than it saves, that alone is done.
 //!
 //! Where a pixel's bins lie is a guess: an estimate of the optical depth in its tile of 8×8 pixels, from one place on each
 //! segment, says between which depths the cut-off is likely. It bounds nothing: what is nearer falls into the first bin, what is
@@ -126,7 +127,7 @@ const BEYOND_WORDS: u64 = 3;
 #[non_exhaustive]
 pub enum Culling {
     /// Where an estimate says that it saves more time than it takes, or that `pool_bytes`, or the device's bindings,
-    /// hold fewer fragments than there are. Elsewhere all are stored, and the error is the A-buffer's.
+    /// hold fewer fragments than there are. Elsewhere all are stored; the error is bounded all the same.
     #[default]
     Auto,
     /// In every frame: the fewest fragments are stored.
@@ -460,7 +461,11 @@ pub(crate) fn resolve_module(
     common
         .and(&["transparency/overflow", tail(shader), "transparency/tail"])
         .and(beyond)
-        .and(&["transparency/a_buffer_read", "transparency/a_buffer"])
+        .and(&[
+            "transparency/a_buffer_read",
+            "transparency/a_buffer_sorted",
+            "transparency/a_buffer",
+        ])
         .with("LISTS", Constant::Bool(false))
 }
 

@@ -200,6 +200,14 @@ impl Transparency {
         }
     }
 
+    /// The transmittance behind which no fragment is composited: the A-buffer's, or the tolerance that the host gives.
+    pub(crate) fn unseen(&self) -> f32 {
+        match self {
+            Self::DbkBuffer(settings) if settings.depth_shift.is_none() => settings.epsilon,
+            _ => a_buffer::UNSEEN,
+        }
+    }
+
     /// Host units behind the nearest fragment beyond which the technique stores nothing; 0 where it does not ask.
     pub(crate) fn depth_shift(&self) -> f32 {
         match self {
