@@ -12,6 +12,7 @@ use crate::raster::Rasteriser;
 use crate::shader::Module;
 use crate::shading::Shader;
 use crate::statistics::PassTime;
+use crate::transparency::sorted_blending::MAX_PARTS;
 
 /// The kinds of bind groups. Their numbers in WGSL: frame 0, geometry 1, shadow maps 2, pixels 3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -34,12 +35,14 @@ pub(crate) enum Group {
     PixelsWritten,
     PixelsRead,
     Occluders,
-    /// What sorted blending sorts, and the image that it blends into.
+    /// What sorted blending sorts, what it draws, and the image that it blends into.
     Sorting,
+    SortedSegments,
+    Shaded,
     BlendedRead,
 }
 
-const GROUPS: [Group; 20] = [
+const GROUPS: [Group; 22] = [
     Group::Frame,
     Group::HostTiles,
     Group::HostTilesRead,
@@ -59,6 +62,8 @@ const GROUPS: [Group; 20] = [
     Group::PixelsRead,
     Group::Occluders,
     Group::Sorting,
+    Group::SortedSegments,
+    Group::Shaded,
     Group::BlendedRead,
 ];
 
@@ -74,6 +79,7 @@ impl Group {
             | Self::Project
             | Self::Order
             | Self::Segments
+            | Self::SortedSegments
             | Self::Shade
             | Self::Track
             | Self::PointOutputs
@@ -86,6 +92,7 @@ impl Group {
             | Self::PixelsRead
             | Self::Occluders
             | Self::Sorting
+            | Self::Shaded
             | Self::BlendedRead => 3,
         }
     }
@@ -169,9 +176,14 @@ impl Group {
             Self::PixelsRead => (0..PIXEL_BUFFERS)
                 .map(|binding| storage(binding, Stages::FRAGMENT | Stages::VERTEX, true))
                 .collect(),
-            Self::Sorting => (0..2)
+            Self::Sorting => (0..1 + MAX_PARTS)
                 .map(|binding| storage(binding, Stages::COMPUTE, false))
                 .collect(),
+            Self::SortedSegments => (0..1 + MAX_PARTS)
+                .map(|binding| storage(binding, Stages::FRAGMENT | Stages::VERTEX, true))
+                .collect(),
+            // The number that it has among the pixels' buffers.
+            Self::Shaded => vec![storage(PIXEL_BUFFERS - 1, Stages::FRAGMENT, true)],
             Self::BlendedRead => {
                 let image = wgpu::BindGroupLayoutEntry {
                     binding: 0,
@@ -577,11 +589,13 @@ impl Gpu {
         group: Group,
         resources: &[wgpu::BindingResource],
     ) -> wgpu::BindGroup {
-        let entries: Vec<_> = resources
+        let layout = group.entries();
+        debug_assert_eq!(layout.len(), resources.len(), "{label}");
+        let entries: Vec<_> = layout
             .iter()
-            .enumerate()
-            .map(|(binding, resource)| wgpu::BindGroupEntry {
-                binding: binding as u32,
+            .zip(resources)
+            .map(|(entry, resource)| wgpu::BindGroupEntry {
+                binding: entry.binding,
                 resource: resource.clone(),
             })
             .collect();

@@ -16,6 +16,7 @@ use crate::shading::{ShadingRate, tables, transmission};
 use crate::shadow::held::HeldMaps;
 use crate::surface::{Subresource, Surface};
 use crate::transparency::a_buffer::{self, FRAGMENT_BYTES, KEY_BYTES, NODE_BYTES};
+use crate::transparency::sorted_blending::MAX_PARTS;
 use crate::transparency::{Fragments, Transparency, read_group};
 
 /// Frames that may be recorded before the first of them is submitted: each has its own uniforms and counters.
@@ -32,6 +33,7 @@ const RESERVE: u64 = 1 << 16;
 const UNIFORMS: &str = "pelage.uniforms";
 const LINKS: &str = "pelage.transparency.links";
 const FRAGMENTS: &str = "pelage.transparency.fragments";
+const HISTOGRAM: &str = "pelage.transparency.sorted_blending.histogram";
 
 /// The state of a slot's counters on their way back.
 const IDLE: u8 = 0;
@@ -98,10 +100,11 @@ pub(crate) struct RunGroups {
 
 /// What sorted blending binds.
 pub(crate) struct SortedGroups {
-    /// Histogram and order.
+    /// Order and histogram.
     pub sorting: wgpu::BindGroup,
-    /// All hairs' points, and the order.
+    /// The order, and all hairs' points.
     pub segments: wgpu::BindGroup,
+    pub shaded: wgpu::BindGroup,
     pub image: wgpu::TextureView,
     read: wgpu::BindGroup,
 }
@@ -159,7 +162,8 @@ pub(crate) struct Bound<'a> {
     pub pixels: &'a Pixels,
     pixels_read: &'a wgpu::BindGroup,
     pub sorted: Option<&'a SortedGroups>,
-    pub histogram: &'a Allocation,
+    /// The parts of the sort's histogram.
+    pub histogram: &'a [Allocation; MAX_PARTS as usize],
     pub point_outputs: &'a wgpu::BindGroup,
     pub attachment: Option<wgpu::TextureView>,
     pub order_counts: &'a wgpu::Buffer,
@@ -250,7 +254,8 @@ pub(crate) struct Resources {
     tables: tables::Held,
     bounds: transmission::Bounds,
     pixels: Pixels,
-    histogram: Allocation,
+    /// The parts of the sort's histogram.
+    histogram: [Allocation; MAX_PARTS as usize],
     sorted: Allocation,
     blended: Option<ImageAllocation>,
     found: Order,
@@ -394,7 +399,12 @@ impl Resources {
             tables: tables::Held::default(),
             bounds: transmission::Bounds::default(),
             pixels: Pixels::new(gpu)?,
-            histogram: empty("pelage.transparency.sorted_blending.histogram")?,
+            histogram: [
+                empty(HISTOGRAM)?,
+                empty(HISTOGRAM)?,
+                empty(HISTOGRAM)?,
+                empty(HISTOGRAM)?,
+            ],
             sorted: empty("pelage.transparency.sorted_blending.order")?,
             blended: None,
             found: Order::default(),
@@ -482,21 +492,18 @@ impl Resources {
     }
 
     /// The buffers that emissions write.
-    pub fn emitted(&self) -> [&Allocation; 10] {
+    pub fn emitted(&self) -> Vec<&Allocation> {
         let pool = &self.pixels;
-        let [first, second, third] = &pool.fragments;
-        [
+        let mut all = vec![
             &pool.counters,
             &pool.fill,
             &pool.links,
-            first,
-            second,
-            third,
             &pool.overflow,
-            &self.histogram,
             &self.sorted,
             &self.maps,
-        ]
+        ];
+        all.extend(pool.fragments.iter().chain(&self.histogram));
+        all
     }
 
     /// What will be held when the plan's frame is prepared.
@@ -698,11 +705,10 @@ impl Resources {
         let Transparency::SortedBlending(settings) = plan.transparency else {
             return Ok(());
         };
-        growth.buffer(
-            &mut self.histogram,
-            "pelage.transparency.sorted_blending.histogram",
-            plan.sorting.histogram_bytes(),
-        )?;
+        let words = plan.sorting.histogram.ranges();
+        for (part, [_, words]) in self.histogram.iter_mut().zip(words) {
+            growth.buffer(part, HISTOGRAM, words * 4)?;
+        }
         growth.buffer(
             &mut self.sorted,
             "pelage.transparency.sorted_blending.order",
@@ -747,24 +753,25 @@ impl Resources {
     }
 
     /// What sorted blending binds.
-    fn bind_sorted(&self, gpu: &Gpu, plan: &Plan) -> Option<SortedGroups> {
+    fn bind_sorted<'a>(&'a self, gpu: &Gpu, plan: &Plan) -> Option<SortedGroups> {
         let blended = self.blended.as_ref().filter(|_| plan.sorting.bins > 0)?;
         let image = blended.texture.create_view(&Default::default());
         let each = size_of::<Projected>() as u64;
+        let points = plan.sorting.points.ranges();
+        let points = points.map(|[first, count]| part(&self.projected, first, count, each));
+        let histogram = self.histogram.each_ref().map(Allocation::binding);
+        let after_order = |parts: [wgpu::BindingResource<'a>; MAX_PARTS as usize]| {
+            let order = std::iter::once(self.sorted.binding());
+            order.chain(parts).collect::<Vec<_>>()
+        };
         Some(SortedGroups {
-            sorting: gpu.bind(
-                "pelage.sorting",
-                Group::Sorting,
-                &[self.histogram.binding(), self.sorted.binding()],
-            ),
+            sorting: gpu.bind("pelage.sorting", Group::Sorting, &after_order(histogram)),
             segments: gpu.bind(
                 "pelage.sorted_segments",
-                Group::Segments,
-                &[
-                    part(&self.projected, 0, plan.point_count, each),
-                    self.sorted.binding(),
-                ],
+                Group::SortedSegments,
+                &after_order(points),
             ),
+            shaded: gpu.bind("pelage.shaded", Group::Shaded, &[self.shaded.binding()]),
             read: gpu.bind(
                 "pelage.blended",
                 Group::BlendedRead,

@@ -501,8 +501,14 @@ pub fn combinations() -> Vec<Combination> {
         "shadow_image_none".into(),
         Module::new(composite::SHADOW_IMAGE_NONE),
     ));
-    modules.push(("sort".into(), sorted_blending::sort_module()));
-    modules.push(("blend".into(), sorted_blending::draw_module()));
+    for number in 1..=u64::from(sorted_blending::MAX_PARTS) {
+        let parts = sorted_blending::Parts::new(64 * number, 4, 64, 256);
+        let modules_of = [
+            ("sort", sorted_blending::sort_module(parts)),
+            ("blend", sorted_blending::draw_module(parts)),
+        ];
+        modules.extend(modules_of.map(|(name, module)| (format!("{name} of {number}"), module)));
+    }
     modules.push(("advance".into(), depth_peeling::advance_module()));
     modules.push((
         "overflow".into(),

@@ -12,10 +12,6 @@
 // a count. FOOTPRINT says what of a pixel is looked at: its square; its slice, which is enough for a map; or its centre, as the
 // hardware samples a triangle.
 
-@group(1) @binding(0) var<storage, read> projected: array<Projected>;
-// First points of the run's segments in the order in which the walk takes them; its last word is their number.
-@group(1) @binding(1) var<storage, read> order: array<u32>;
-
 const FOOTPRINT_SQUARE: u32 = 0u;
 const FOOTPRINT_SLICE: u32 = 1u;
 const FOOTPRINT_CENTRE: u32 = 2u;
@@ -81,10 +77,10 @@ fn segment_beyond(word: u32) -> f32 {
 fn segment(index: u32) -> Segment {
     var s: Segment;
     s.valid = false;
-    let p = projected[index];
+    let p = projected_point(index);
     let flags = p.bisector_flags.y;
     if (flags & (PROJECTED_LAST | PROJECTED_UNSEEN)) != 0u || index + 1u >= drawing.point_count { return s; }
-    let q = projected[index + 1u];
+    let q = projected_point(index + 1u);
     let next_flags = q.bisector_flags.y;
     if (flags & (PROJECTED_BEHIND | PROJECTED_CUT_START)) == PROJECTED_BEHIND { return s; }
     if (next_flags & (PROJECTED_BEHIND | PROJECTED_CUT_END)) == PROJECTED_BEHIND { return s; }

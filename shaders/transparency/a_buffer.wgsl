@@ -70,8 +70,12 @@ fn resolve(pixel: vec2u) -> Resolved {
     var point = 0u;
     var grouped = false;
     var done = begun.done;
-    let rounds = A_BUFFER_STEPS / (count + 9u);
-    for (var round = 0u; round < rounds && done < count && transmittance > unseen; round++) {
+    // Steps that are left, but for those that count a list and merge a rest; and those of a round and of a fragment of a group.
+    var steps_left = A_BUFFER_STEPS - min(select(count, 2u * count, LISTS), A_BUFFER_STEPS);
+    let round_steps = count / 8u + 16u;
+    let group_steps = count + 4u;
+    while steps_left > round_steps && (!grouped || steps_left > group_steps) && done < count && transmittance > unseen {
+        steps_left -= select(round_steps, group_steps, grouped);
         let none = Candidate(A_BUFFER_NONE, A_BUFFER_NONE);
         var k0 = none;
         var k1 = none;

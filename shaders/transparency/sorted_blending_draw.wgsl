@@ -1,5 +1,4 @@
-// Sorted blending: ribbons in the order of the sort, blended by fixed function. `order` holds it, two words a
-// segment, and `projected` the points of all hairs; the drawing's own opacity is 1.
+// Sorted blending: ribbons in the order of the sort, blended by fixed function. The drawing's own opacity is 1.
 
 struct BlendedVertex {
     @builtin(position) position: vec4f,

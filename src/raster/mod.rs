@@ -99,13 +99,18 @@ impl Emission {
             file => Some(file),
         };
         let files: Vec<&'static str> = self.files.iter().filter_map(file).collect();
-        Module::new(&["common/coverage", "common/segment", "common/spread"])
-            .with("STAGE", Constant::U32(self.stage))
-            .with("PARTS", Constant::U32(parts))
-            .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
-            .with("FOOTPRINT", Constant::U32(self.footprint as u32))
-            .and(&files)
-            .and(&[rasteriser])
+        Module::new(&[
+            "common/coverage",
+            "common/run",
+            "common/segment",
+            "common/spread",
+        ])
+        .with("STAGE", Constant::U32(self.stage))
+        .with("PARTS", Constant::U32(parts))
+        .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
+        .with("FOOTPRINT", Constant::U32(self.footprint as u32))
+        .and(&files)
+        .and(&[rasteriser])
     }
 }
 

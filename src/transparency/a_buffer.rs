@@ -86,6 +86,9 @@ pub enum Storage {
 }
 
 /// Settings of the A-buffer.
+///
+/// The same frame twice is bit-identical, except for a pixel of so many faint fragments that to order them takes too many steps
+/// (some thousand, of which more than a thousand show): the farthest are merged, and their mean colour may change in its last bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ABuffer {
     /// How fragments are kept.

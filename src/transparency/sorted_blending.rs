@@ -2,6 +2,9 @@
 //!
 //! The order is one of segments, not of fragments: where segments of one bin, or long ones, cross, it is wrong. It is the same
 //! for every frame of the same hair and view.
+//!
+//! A draw in that order reads any point at any time, so that it binds the points of all hairs at once, and the sort its whole
+//! histogram: in up to [`MAX_PARTS`] parts each, as many as the device's bindings ask for.
 
 use crate::error::{Error, Result, invalid};
 use crate::gpu::{Gpu, Group, Passes, PipelineKey, RenderSpec, workgroups};
@@ -21,6 +24,15 @@ const CHUNKS: u64 = 1024;
 const MAX_CHUNKS: u64 = 32768;
 /// Bytes of one segment in the order.
 const RECORD_BYTES: u64 = 8;
+/// Bindings of what may be larger than one. A frame has no more points than 8 bytes each fit one binding, a third of a projected
+/// point's: with what is lost to alignment that is more than three.
+pub(crate) const MAX_PARTS: u32 = 4;
+/// Elements that parts are multiples of: every device takes offsets that are multiples of 256 bytes.
+const ALIGNED_POINTS: u64 = 32;
+const ALIGNED_WORDS: u64 = 64;
+const _: () = assert!((ALIGNED_POINTS * size_of::<Projected>() as u64).is_multiple_of(256));
+/// The most elements of a part, whatever a device binds: the shaders count all parts' in 32 bits.
+const MOST_EACH: u64 = 1 << 30;
 
 /// The order in which segments are blended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
@@ -92,6 +104,47 @@ pub(crate) struct Sorting {
     pub bases: Vec<u32>,
     /// All segments.
     pub count: u64,
+    /// The points of all hairs, as the draw binds them.
+    pub points: Parts,
+    /// Words of the histogram: a row of chunks for each bin, and the bins' totals.
+    pub histogram: Parts,
+}
+
+/// How elements are shared out among bindings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Parts {
+    count: u64,
+    /// Elements of each part but the last.
+    each: u64,
+}
+
+impl Parts {
+    /// Of `bytes` an element, in multiples of `aligned` elements. How large they are depends on the device alone.
+    pub fn new(count: u64, bytes: u64, aligned: u64, binding: u64) -> Self {
+        let each = binding / (aligned * bytes) * aligned;
+        Self {
+            count,
+            each: each.clamp(1, MOST_EACH),
+        }
+    }
+
+    /// How many they are.
+    fn number(&self) -> u64 {
+        self.count.div_ceil(self.each).max(1)
+    }
+
+    /// First element and number of elements of each part; of one that is not needed none.
+    pub fn ranges(&self) -> [[u64; 2]; MAX_PARTS as usize] {
+        std::array::from_fn(|part| match part as u64 * self.each {
+            first if first < self.count => [first, self.each.min(self.count - first)],
+            _ => [0; 2],
+        })
+    }
+
+    /// The same as constants for shaders: parts, and elements of each but the last.
+    fn constants(&self) -> [Constant; 2] {
+        [self.number(), self.each].map(|value| Constant::U32(value as u32))
+    }
 }
 
 impl Sorting {
@@ -110,31 +163,31 @@ impl Sorting {
             bases.push(chunks as u32);
             chunks += points.div_ceil(each);
         }
+        let (bins, chunks) = (u64::from(settings.bins), chunks.max(1));
+        let [of_points, of_words] = [size_of::<Projected>() as u64, 4];
+        let words = bins * chunks + bins;
         let sorting = Self {
-            bins: u64::from(settings.bins),
+            bins,
             each,
-            chunks: chunks.max(1),
+            chunks,
             bases,
             count,
+            points: Parts::new(points, of_points, ALIGNED_POINTS, binding),
+            histogram: Parts::new(words, of_words, ALIGNED_WORDS, binding),
         };
-        let largest = sorting
-            .histogram_bytes()
-            .max(sorting.order_bytes())
-            .max(points * size_of::<Projected>() as u64);
-        if largest > binding || sorting.chunks > MAX_CHUNKS {
+        let parts = sorting.points.number().max(sorting.histogram.number());
+        if parts > u64::from(MAX_PARTS) || sorting.order_bytes() > binding || chunks > MAX_CHUNKS {
             return Err(Error::Unsupported(format!(
-                "sorted_blending: {count} segments of {} runs in {} bins need a binding of {largest} bytes and {} chunks; \
-                 this device binds {binding}, and {MAX_CHUNKS} chunks are taken",
+                "sorted_blending: {count} segments of {} runs in {bins} bins need {} bytes of points and {} of a histogram in \
+                 {MAX_PARTS} bindings each, {} bytes of an order in one, and {chunks} chunks; this device binds {binding}, and \
+                 {MAX_CHUNKS} chunks are taken",
                 sorting.bases.len(),
-                settings.bins,
-                sorting.chunks
+                points * of_points,
+                words * of_words,
+                sorting.order_bytes(),
             )));
         }
         Ok(sorting)
-    }
-
-    pub fn histogram_bytes(&self) -> u64 {
-        (self.bins * self.chunks + self.bins) * 4
     }
 
     pub fn order_bytes(&self) -> u64 {
@@ -183,13 +236,17 @@ pub(crate) fn record(
 }
 
 /// The files of the sort; its entry points are `sort_count`, `sort_rows`, `sort_totals` and `sort_scatter`.
-pub(crate) fn sort_module() -> Module {
+pub(crate) fn sort_module(histogram: Parts) -> Module {
+    let [parts, each] = histogram.constants();
     Module::new(&[
         "common/coverage",
+        "common/run",
         "common/segment",
         "common/pixels",
         "transparency/sorted_blending_sort",
     ])
+    .with("HISTOGRAM_PARTS", parts)
+    .with("HISTOGRAM_EACH", each)
     .with("TOUCH_ONLY", Constant::Bool(true))
     .with("FOOTPRINT", Constant::U32(Footprint::Square as u32))
 }
@@ -207,14 +264,18 @@ fn sort(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, plan: &P
         .enumerate()
     {
         let key = PipelineKey {
-            variant: variant as u32,
+            variant: (variant as u32) << 3 | plan.sorting.histogram.number() as u32,
             ..PipelineKey::new(label)
         };
-        pipelines.push(gpu.compute(key, entry, &groups, sort_module)?);
+        let module = || sort_module(plan.sorting.histogram);
+        pipelines.push(gpu.compute(key, entry, &groups, module)?);
     }
     passes.encode(label, |encoder| {
-        let bytes = plan.sorting.histogram_bytes();
-        encoder.clear_buffer(&bound.histogram.buffer, 0, Some(bytes));
+        let histogram = plan.sorting.histogram;
+        let parts = bound.histogram.iter().zip(histogram.ranges());
+        for (part, [_, words]) in parts.take(histogram.number() as usize) {
+            encoder.clear_buffer(&part.buffer, 0, Some(words * 4));
+        }
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(label),
             timestamp_writes: None,
@@ -241,15 +302,19 @@ fn sort(gpu: &mut Gpu, passes: &mut Passes, bound: &Bound, band: &Band, plan: &P
 }
 
 /// The files of the draw.
-pub(crate) fn draw_module() -> Module {
+pub(crate) fn draw_module(points: Parts) -> Module {
+    let [parts, each] = points.constants();
     Module::new(&[
         "common/coverage",
+        "transparency/sorted_blending_points",
         "common/segment",
         "common/pixels",
         "transparency/emit_common",
         "transparency/shaded",
         "transparency/sorted_blending_draw",
     ])
+    .with("POINT_PARTS", parts)
+    .with("POINTS_EACH", each)
     .with("TOUCH_ONLY", Constant::Bool(false))
     .with("FOOTPRINT", Constant::U32(Footprint::Square as u32))
 }
@@ -286,14 +351,14 @@ fn blend(
     let format = settings.format(gpu);
     let key = PipelineKey {
         colour: Some(format),
-        variant: settings.order as u32,
+        variant: (settings.order as u32) << 3 | plan.sorting.points.number() as u32,
         ..PipelineKey::new(label)
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: draw_module(),
+        module: draw_module(plan.sorting.points),
         vertex: "sorted_blending_vertex",
         fragment: "sorted_blending_fragment",
-        groups: &[Group::Frame, Group::Segments, Group::PixelsWritten],
+        groups: &[Group::Frame, Group::SortedSegments, Group::Shaded],
         topology: wgpu::PrimitiveTopology::TriangleStrip,
         targets: vec![Some(wgpu::ColorTargetState {
             format,
@@ -328,7 +393,7 @@ fn blend(
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, bound.frame, &[0, band.whole, plan.runs[0].material]);
         pass.set_bind_group(1, &sorted.segments, &[]);
-        pass.set_bind_group(3, bound.pixels_written, &[]);
+        pass.set_bind_group(3, &sorted.shaded, &[]);
         pass.draw(0..4, 0..plan.sorting.count as u32);
     });
     Ok(())

@@ -188,3 +188,64 @@ fn the_two_storages_give_the_same_image() {
         assert_identical(&format!("storages {raster:?}"), &images[0], &images[1]);
     }
 }
+
+/// Counted arrays are ordered by words of key and place, lists by keys and points: where depths are equal in twos, threes and by
+/// more than a round holds, where keys are too fine for the words, and where a list is too long for them.
+#[test]
+fn fragments_of_equal_depth_and_of_fine_keys_are_in_the_same_order_in_either_storage() {
+    let Some(mut device) = device() else { return };
+    let (size, lights) = ([16, 8], [sunlight()]);
+    let perspective = portrait(size);
+    for (name, alike, groups, view) in [
+        ("one by one", 1, 40, pixel_view(size, 10.0)),
+        ("in twos", 2, 40, pixel_view(size, 10.0)),
+        ("in threes", 3, 40, pixel_view(size, 10.0)),
+        ("in seventeens", 17, 6, pixel_view(size, 10.0)),
+        ("in hundreds", 100, 2, pixel_view(size, 10.0)),
+        ("too many", 2, 1_000, pixel_view(size, 10.0)),
+        ("around the eye", 2, 60, perspective),
+    ] {
+        let count = alike * groups;
+        // A strand's colour is its own, and so tells its place in the order.
+        let colours = (0..count)
+            .map(|i| {
+                [
+                    (i % 7) as f32 / 7.0,
+                    (i % 11) as f32 / 11.0,
+                    (i % 13) as f32 / 13.0,
+                ]
+            })
+            .collect();
+        // Groups come in no order of depth; the last ones of a view from within lie behind it.
+        let points = (0..count)
+            .flat_map(|i| {
+                let group = (i % groups) * 17 % groups;
+                let z = 8.0 * (0.5 - group as f32 / groups as f32);
+                [[-6.0, 0.3, z], [6.0, 0.3, z]]
+            })
+            .collect();
+        let strands = Strands::new(points, &vec![2; count], 1.5)
+            .unwrap()
+            .with_colours(colours)
+            .unwrap();
+        let mut hair = device.renderer.create_hair(&strands).unwrap();
+        // So much that what shows of the longest list is ordered, and none merged.
+        hair.opacity = 0.05;
+        let hairs = [&hair];
+        let images = [Storage::Counted, Storage::Lists].map(|storage| {
+            let frame = Frame {
+                hairs: &hairs,
+                lights: &lights,
+                ambient: Vec3::ZERO,
+                view,
+                transparency: Some(a_buffer(storage, Raster::Walk)),
+            };
+            render(&mut device, &frame, size).0
+        });
+        assert!(
+            images[0].pixels.iter().any(|pixel| pixel[3] > 0.3),
+            "{name}"
+        );
+        assert_identical(name, &images[0], &images[1]);
+    }
+}

@@ -1,9 +1,11 @@
 //! Sorted blending: exact where every segment of a pixel has a bin of its own, and near it where bins are fine.
 
-use pelage::glam::{DVec3, Vec3};
+use pelage::glam::{DMat4, DVec3, Vec3};
 use pelage::groom::{BuiltinGroom, Strands, builtin};
+use pelage::host::offscreen::Offscreen;
 use pelage::transparency::{BlendOrder, SortedBlending, Transparency};
-use pelage::{Error, Frame, Hair, Target};
+use pelage::wgpu::{self, Limits};
+use pelage::{Error, Frame, Hair, Instance, Result, Target};
 use pelage_reference::blending;
 use pelage_reference::composite::point_colours;
 use pelage_reference::error::{alpha_error, colour_error};
@@ -15,6 +17,7 @@ use crate::common::scenes::{
     world,
 };
 use crate::common::{Device, device};
+use crate::limits::{least, open};
 
 /// 32-bit floats: as of the A-buffer.
 const FULL: Tolerance = Tolerance {
@@ -280,4 +283,147 @@ fn bins_out_of_range_are_refused() {
             "{error:?}"
         );
     }
+}
+
+/// Bytes of a binding on the small device, and what it holds of projected points, in multiples of 256 bytes, and of the histogram.
+const SMALL_BINDING: u64 = 1 << 15;
+const SMALL_POINTS: u64 = 1344;
+const SMALL_WORDS: u64 = SMALL_BINDING / 4;
+
+/// A device that binds so little at once.
+fn small_device() -> Offscreen {
+    let (device, queue, info) = open(Limits {
+        max_storage_buffer_binding_size: SMALL_BINDING,
+        ..least()
+    });
+    Offscreen::on(&device, &queue, info).unwrap()
+}
+
+/// A head of hair twice, and another of other colours and opacity among it: 65 points a strand of the one, 17 of the other.
+fn heads(offscreen: &mut Offscreen, strands: [usize; 2]) -> [Hair; 2] {
+    let grooms = [BuiltinGroom::Wavy, BuiltinGroom::Straight];
+    let mut hairs = [0, 1].map(|number| {
+        let strands = builtin(grooms[number], strands[number])
+            .unwrap()
+            .with_root_tip_radii(2e-3, 1e-3)
+            .unwrap();
+        let colours = (0..strands.strand_count())
+            .map(|i| [(i % 5) as f32 / 4.0, number as f32, (i % 3) as f32 / 2.0])
+            .collect();
+        let strands = strands.with_colours(colours).unwrap();
+        let mut hair = offscreen.renderer.create_hair(&strands).unwrap();
+        (hair.shading, hair.opacity) = (WHITE, 0.3 + 0.3 * number as f32);
+        hair
+    });
+    hairs[0].instances = vec![at(0.0), at(0.02)];
+    hairs
+}
+
+fn at(x: f64) -> Instance {
+    Instance {
+        object_from_instance: DMat4::from_translation(DVec3::new(x, 0.0, 0.5 * x)),
+        previous_object_from_instance: None,
+    }
+}
+
+/// A frame of the heads: its pixels' bits, whether it was sorted, and how many bindings the points and the histogram that are
+/// held take on the small device.
+struct Drawn {
+    pixels: Vec<[u32; 4]>,
+    sorted: bool,
+    parts: [u64; 2],
+}
+
+fn draw(offscreen: &mut Offscreen, hairs: &[Hair; 2], settings: SortedBlending) -> Result<Drawn> {
+    let [width, height] = SIZE;
+    let format = wgpu::TextureFormat::Rgba16Float;
+    let image = offscreen.create_image(width, height, format, false)?;
+    let target = Target::cleared(&image.colour);
+    let frame = Frame {
+        hairs: &[&hairs[0], &hairs[1]],
+        lights: &[sunlight()],
+        ambient: Vec3::ZERO,
+        view: portrait(SIZE),
+        transparency: technique(settings),
+    };
+    let renderer = &mut offscreen.renderer;
+    let estimate = renderer.memory_estimate(&frame, &(&target).into())?;
+    let statistics = renderer.render_timed(&frame, &target)?;
+    assert_eq!(estimate.bytes, statistics.bytes, "{settings:?}");
+    let label = "pelage.transparency.sorted_blending.";
+    let sort = format!("{label}sort");
+    let points = estimate.of("pelage.geometry.projected") / 24;
+    let words = estimate.of(&format!("{label}histogram")) / 4;
+    let pixels = offscreen.read_colour(&image.colour)?;
+    Ok(Drawn {
+        pixels: (pixels
+            .iter()
+            .map(|pixel| pixel.to_array().map(f32::to_bits)))
+        .collect(),
+        sorted: statistics.passes.iter().any(|pass| pass.label == sort),
+        parts: [points.div_ceil(SMALL_POINTS), words.div_ceil(SMALL_WORDS)],
+    })
+}
+
+#[test]
+fn points_and_histograms_of_several_bindings_are_drawn_as_those_of_one() {
+    let Some(mut whole) = device() else { return };
+    let mut small = small_device();
+    // What is held grows; the last ones need less of it.
+    for (strands, bins, parts) in [
+        ([2, 8], [64, 1024], [[1, 1], [1, 1]]),
+        ([13, 12], [1024, 1900], [[2, 2], [2, 3]]),
+        ([24, 24], [1024, 1100], [[3, 3], [3, 3]]),
+        ([28, 15], [1024, 1600], [[4, 3], [4, 4]]),
+        ([13, 12], [64, 700], [[4, 4], [4, 4]]),
+    ] {
+        let expected_hairs = heads(&mut whole, strands);
+        let hairs = heads(&mut small, strands);
+        for ((order, bins), parts) in ORDERS.into_iter().zip(bins).zip(parts) {
+            let settings = SortedBlending {
+                bins,
+                order,
+                reuse: 1,
+                ..Default::default()
+            };
+            let expected = draw(&mut whole, &expected_hairs, settings).unwrap();
+            let covered = |pixel: &&[u32; 4]| f32::from_bits(pixel[3]) > 0.1;
+            assert!(expected.pixels.iter().filter(covered).count() > 1000);
+            for sorted in [true, false, true] {
+                let drawn = draw(&mut small, &hairs, settings).unwrap();
+                let name = format!("{strands:?} strands, {settings:?}");
+                assert!(drawn.pixels == expected.pixels, "{name}");
+                assert_eq!((drawn.sorted, drawn.parts), (sorted, parts), "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_four_bindings_do_not_hold_is_refused_and_the_next_frame_is_drawn() {
+    let Some(mut whole) = device() else { return };
+    let refused = |drawn: Result<Drawn>, words: &[&str]| {
+        let Err(Error::Unsupported(text)) = drawn else {
+            panic!("it was drawn");
+        };
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    };
+    let mut small = small_device();
+    let hairs = heads(&mut small, [28, 15]);
+    let fine = SortedBlending {
+        bins: 4096,
+        ..Default::default()
+    };
+    // Chunks of 256 points: six and three of each instance's two runs, and one of the other hair.
+    let bytes = (4096 * 19 + 4096) * 4;
+    let words = ["4096 bins", &format!("{bytes} of a histogram"), "32768"];
+    refused(draw(&mut small, &hairs, fine), &words);
+    draw(&mut small, &hairs, SortedBlending::default()).unwrap();
+
+    let mut hairs = heads(&mut whole, [1, 1]);
+    hairs[0].instances = vec![at(0.0); 1 << 15];
+    let words = ["32769 runs", "32769 chunks", "32768 chunks are taken"];
+    refused(draw(&mut whole, &hairs, SortedBlending::default()), &words);
+    hairs[0].instances.clear();
+    draw(&mut whole, &hairs, SortedBlending::default()).unwrap();
 }
