@@ -243,6 +243,11 @@ fn resolve(pixel: vec2u) -> Resolved {
         colour += transmittance * (1.0 - through) * sum / max(weight, 1e-20);
         transmittance *= through;
     }
+    // What was left out hides as much, each, as what was not: a guess, but one that errs by no more than the transmittance.
+    // The A-buffer's own limit is too small to be worth it.
+    if done < count && transmittance <= unseen && unseen > A_BUFFER_UNSEEN {
+        transmittance = pow(max(transmittance, 1e-30), f32(count) / f32(done));
+    }
     if a_buffer_overflowed() && transmittance > unseen {
         let tail = tail_of(number);
         colour += transmittance * tail.xyz;

@@ -9,6 +9,8 @@
 @group(3) @binding(4) var<storage, read> fragments_1: array<vec2u>;
 @group(3) @binding(5) var<storage, read> fragments_2: array<vec2u>;
 
+// What the A-buffer leaves out at most, by its transmittance; `UNSEEN` in Rust.
+const A_BUFFER_UNSEEN: f32 = 0.000244140625;
 // Some drivers end an invocation's loops silently near 65,535 steps.
 const A_BUFFER_STEPS: u32 = 49152u;
 const A_BUFFER_NONE: u32 = 0xffffffffu;
