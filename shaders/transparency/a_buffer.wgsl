@@ -58,7 +58,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     let number = pixel_number(pixel);
     let first = a_buffer_first(number);
     let count = a_buffer_count(number, first);
-    var begun = Composition(vec3f(0.0), 1.0, 0u, 0u, A_BUFFER_NONE);
+    var begun = Composition(vec3f(0.0), 1.0, 0u, 0u, A_BUFFER_NONE, vec3f(0.0));
     if !LISTS { begun = a_buffer_sorted(first, count); }
     let unseen = frame.unseen;
     var result = Resolved(vec4f(0.0), begun.nearest);
@@ -243,10 +243,12 @@ fn resolve(pixel: vec2u) -> Resolved {
         colour += transmittance * (1.0 - through) * sum / max(weight, 1e-20);
         transmittance *= through;
     }
-    // What was left out hides as much, each, as what was not: a guess, but one that errs by no more than the transmittance.
-    // The A-buffer's own limit is too small to be worth it.
+    // What was left out is taken to hide as much, each, as what was not, and to have the colour of the first of it: a guess, but
+    // one that errs by no more than what is behind the transmittance could add. The A-buffer's own limit is too small for it.
     if done < count && transmittance <= unseen && unseen > A_BUFFER_UNSEEN {
-        transmittance = pow(max(transmittance, 1e-30), f32(count) / f32(done));
+        let through = pow(max(transmittance, 1e-30), f32(count) / f32(done));
+        colour += (transmittance - through) * begun.beyond;
+        transmittance = through;
     }
     if a_buffer_overflowed() && transmittance > unseen {
         let tail = tail_of(number);

@@ -93,6 +93,8 @@ struct Composition {
     key: u32,
     // Key of the nearest one that shows.
     nearest: u32,
+    // Colour of the first that was left out, where there is one.
+    beyond: vec3f,
 }
 
 // The most fragments of a pixel that are ordered this way.
@@ -101,7 +103,7 @@ const A_BUFFER_SORTED_MOST: u32 = 1020u;
 const A_BUFFER_BIN_BITS: u32 = 17u;
 
 fn a_buffer_sorted(first: u32, count: u32) -> Composition {
-    var result = Composition(vec3f(0.0), 1.0, 0u, 0u, A_BUFFER_NONE);
+    var result = Composition(vec3f(0.0), 1.0, 0u, 0u, A_BUFFER_NONE, vec3f(0.0));
     if count == 0u || count > A_BUFFER_SORTED_MOST { return result; }
     let begin = first & ~3u;
     // A word is never all ones.
@@ -146,11 +148,13 @@ fn a_buffer_sorted(first: u32, count: u32) -> Composition {
         alike = kept.a.x >= stop;
         var here = kept.a.x;
         var here_words = a_buffer_words(begin + select(here & place_mask, 0u, alike));
-        for (var i = 0u; i < 16u && here < stop && result.transmittance > unseen; i++) {
+        // One of the sixteen stays, to be the first of what may be left out; two of one key stay together.
+        for (var i = 0u; i < 15u && here < stop && result.transmittance > unseen; i++) {
             var next = kept.a.y;
             let third = kept.a.z;
             var next_words = a_buffer_words(begin + (select(next, here, next == A_BUFFER_NONE) & place_mask));
             if next != A_BUFFER_NONE && (here ^ next) >> place_bits == 0u {
+                if i == 14u { break; }
                 alike = key_shift > 0u || (third != A_BUFFER_NONE && (next ^ third) >> place_bits == 0u);
                 if alike { break; }
                 if here_words.x > next_words.x {
@@ -176,6 +180,12 @@ fn a_buffer_sorted(first: u32, count: u32) -> Composition {
                 vec4u(kept.c.yzw, kept.d.x),
                 vec4u(kept.d.yzw, A_BUFFER_NONE),
             );
+        }
+        if result.transmittance <= unseen && unseen > A_BUFFER_UNSEEN {
+            // Which of several of one key would be first is the scheduler's choice.
+            let beside = min(kept.a.y, left);
+            let alone = here != A_BUFFER_NONE && (beside == A_BUFFER_NONE || (here ^ beside) >> place_bits != 0u);
+            if alone { result.beyond = shaded_colour(here_words.x, a_buffer_value(here_words.y).y); }
         }
         let key = here >> place_bits;
         if alike && key > 0u { result.key = words.key_first + (key << key_shift); }

@@ -5,8 +5,9 @@
 //! it. The cut-off is the end of the bin in which the sum reaches -ln ε. With K the fragments before it and R the rest,
 //! the pixel's exact alpha is 1 - T_K T_R and the drawn one 1 - T_K; they differ by T_K (1 - T_R) ≤ T_K ≤ ε. The colour lacks
 //! T_K times the rest's own composite, which is no brighter than its brightest fragment: ε times that at most. The resolve stops
-//! where the transmittance is ε, by the same bound: where finding cut-offs would take longer than it saves, that alone is done. For
-//! the alpha of what it leaves out it takes as much a fragment as for what it has composited, since any guess errs by no more than ε.
+//! where the transmittance is ε, by the same bound: where finding cut-offs would take longer than it saves, that alone is done. What
+//! it leaves out it takes to hide as much, each, as what it has composited, and to have the colour of the first that it leaves out:
+//! whatever the guess is, alpha errs by T_K at most, and colour by T_K times the brightest that is left out.
 //!
 //! Where a pixel's bins lie is a guess: an estimate of the optical depth in its tile of 8×8 pixels, from one place on each
 //! segment, says between which depths the cut-off is likely. It bounds nothing: what is nearer falls into the first bin, what is

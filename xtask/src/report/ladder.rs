@@ -349,9 +349,12 @@ fn volume_shadows(resolutions: &[u32]) -> Vec<Shadow> {
 pub fn cases(scene: &Scene, quick: bool) -> Vec<Case> {
     let of = |extent| move |case: &Case| scene.extent(case.group) == Some(extent);
     let large = scene.fragments > SMALL_SCENE;
+    let by_walk = |case: &Case| {
+        of(Extent::LadderByWalk)(case) && case.transparency.raster() != Raster::Ribbons
+    };
     let mut cases: Vec<Case> = ladder(quick)
         .into_iter()
-        .filter(of(Extent::Ladder))
+        .filter(|case| of(Extent::Ladder)(case) || by_walk(case))
         .filter(|case| !(large && is_slow(case)))
         .collect();
     cases.extend(defaults().into_iter().filter(of(Extent::Defaults)));

@@ -32,6 +32,8 @@ pub enum Source {
 pub enum Extent {
     /// Every technique over the ladder of its settings.
     Ladder,
+    /// The same, but for ribbons: which rasteriser finds the fragments changes the time alone, and is seen on other scenes.
+    LadderByWalk,
     /// Every technique with its default settings.
     Defaults,
 }
@@ -61,7 +63,7 @@ const ALL: &[(Group, Extent)] = &[
     (Group::Shadow, Extent::Ladder),
     (Group::Transparency, Extent::Ladder),
 ];
-const TRANSPARENCY_LADDER: &[(Group, Extent)] = &[(Group::Transparency, Extent::Ladder)];
+const TRANSPARENCY_LADDER: &[(Group, Extent)] = &[(Group::Transparency, Extent::LadderByWalk)];
 const TRANSPARENCY: &[(Group, Extent)] = &[(Group::Transparency, Extent::Defaults)];
 const SHADOW_AND_TRANSPARENCY: &[(Group, Extent)] = &[
     (Group::Shadow, Extent::Defaults),
