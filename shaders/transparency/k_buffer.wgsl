@@ -64,7 +64,6 @@ fn resolve(pixel: vec2u) -> Resolved {
     let count = a_buffer_count(number, first);
     var result = Resolved(vec4f(0.0), A_BUFFER_NONE);
     if count == 0u && !a_buffer_overflowed() { return result; }
-    let unseen = frame.unseen;
     var transmittance = 1.0;
     var colour = vec3f(0.0);
     // Fragments before (key, point) are done.
@@ -76,7 +75,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     let blocks = clamp(steps, 3u, K_BUFFER_BLOCKS + 2u) - 2u;
     // One for which even that is too much is the rest as a whole.
     let rounds = select(max(steps / (blocks + 1u), 2u) - 1u, 0u, steps < 3u && REST != REST_DROPPED);
-    for (var round = 0u; round < rounds && kept < min(K, count) && transmittance > unseen; round++) {
+    for (var round = 0u; round < rounds && kept < min(K, count) && transmittance > A_BUFFER_UNSEEN; round++) {
         var keys: array<vec4u, K_BUFFER_BLOCKS>;
         var points: array<vec4u, K_BUFFER_BLOCKS>;
         var values: array<vec4u, K_BUFFER_BLOCKS>;
@@ -123,7 +122,7 @@ fn resolve(pixel: vec2u) -> Resolved {
             }
         }
         if keys[0].x == A_BUFFER_NONE { break; }
-        for (var i = 0u; i < min(REGISTERS, 4u * blocks) && kept < K && transmittance > unseen; i++) {
+        for (var i = 0u; i < min(REGISTERS, 4u * blocks) && kept < K && transmittance > A_BUFFER_UNSEEN; i++) {
             let chosen = keys[i / 4u][i % 4u];
             if chosen == A_BUFFER_NONE { break; }
             let chosen_point = points[i / 4u][i % 4u];
@@ -137,14 +136,14 @@ fn resolve(pixel: vec2u) -> Resolved {
             kept += 1u;
         }
     }
-    if REST != REST_DROPPED && kept < count && transmittance > unseen {
+    if REST != REST_DROPPED && kept < count && transmittance > A_BUFFER_UNSEEN {
         let rest = k_buffer_rest(first, count, key, point);
         let opacity = transmittance * (1.0 - rest.w);
         let own = select(colour / (1.0 - transmittance), vec3f(0.0), kept == 0u);
         colour += opacity * select(own, rest.xyz, REST == REST_MERGED || kept == 0u);
         transmittance -= opacity;
     }
-    if a_buffer_overflowed() && transmittance > unseen {
+    if a_buffer_overflowed() && transmittance > A_BUFFER_UNSEEN {
         let tail = tail_of(number);
         colour += transmittance * tail.xyz;
         transmittance *= tail.w;
