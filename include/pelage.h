@@ -981,7 +981,7 @@ typedef struct PelageWeightedBlended {
     uint32_t raster;
 } PelageWeightedBlended;
 
-// Settings of depth peeling. 56 bytes a pixel.
+// Settings of depth peeling. 52 bytes a pixel.
 typedef struct PelageDepthPeeling {
     // `sizeof(PelageDepthPeeling)`.
     uint32_t struct_size;
@@ -991,7 +991,7 @@ typedef struct PelageDepthPeeling {
     uint32_t raster;
 } PelageDepthPeeling;
 
-// Settings of random subsets. 12 bytes a pixel and subset, and 4 a pixel for the exact opacity.
+// Settings of random subsets. 8 bytes a pixel and subset, and 4 a pixel for the exact opacity.
 typedef struct PelageRandomSubsets {
     // `sizeof(PelageRandomSubsets)`.
     uint32_t struct_size;

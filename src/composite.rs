@@ -110,8 +110,8 @@ pub(crate) fn receive_module(shadow: &Shadow) -> Module {
 }
 
 /// The module of the composite.
-pub(crate) fn module(transparency: &Transparency, parts: u32, shader: Option<&Shader>) -> Module {
-    let resolve = transparency::resolve_module(transparency, parts, shader);
+pub(crate) fn module(transparency: &Transparency, shader: Option<&Shader>) -> Module {
+    let resolve = transparency::resolve_module(transparency, shader);
     let resolve = if transparency.counted() {
         resolve
             .and(&["common/tiles", "transparency/a_buffer_tiles"])
@@ -199,10 +199,7 @@ pub(crate) fn record(
         shading: shader,
         colour: Some(format),
         depth: depth.map(|depth| depth.format()),
-        variant: (transparency::resolve_variant(&plan.transparency) * 2
-            + u32::from(plan.reverse_z))
-            * 4
-            + plan.parts,
+        variant: transparency::resolve_variant(&plan.transparency) * 2 + u32::from(plan.reverse_z),
         ..PipelineKey::new(label)
     };
     let nearer = if plan.reverse_z {
@@ -211,7 +208,7 @@ pub(crate) fn record(
         wgpu::CompareFunction::LessEqual
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: module(&plan.transparency, plan.parts, shader.as_ref()),
+        module: module(&plan.transparency, shader.as_ref()),
         vertex: if tiled {
             "tiles_vertex"
         } else {
@@ -311,12 +308,11 @@ pub(crate) fn outputs(
     let label = "pelage.composite.outputs";
     let formats = output_formats(target);
     let key = PipelineKey {
-        variant: (transparency::resolve_variant(&plan.transparency) * 4 + plan.parts) * 256
-            + output_variant(&formats),
+        variant: transparency::resolve_variant(&plan.transparency) * 256 + output_variant(&formats),
         ..PipelineKey::new(label)
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: transparency::resolve_module(&plan.transparency, plan.parts, None)
+        module: transparency::resolve_module(&plan.transparency, None)
             .and(&["common/fullscreen", "outputs"])
             .with("TRACKED", Constant::Bool(tracked)),
         vertex: "fullscreen_vertex",

@@ -68,7 +68,7 @@ const GROUPS: [Group; 22] = [
 ];
 
 /// Storage buffers of the pixel groups; all but the last are written by emitting passes.
-pub(crate) const PIXEL_BUFFERS: u32 = 8;
+pub(crate) const PIXEL_BUFFERS: u32 = 7;
 
 impl Group {
     fn index(self) -> usize {

@@ -23,13 +23,13 @@ use crate::raster::Rasteriser;
 use crate::shading::transmission::{self, greatest_angle};
 use crate::shading::{Shader, Shading, ShadingRate};
 use crate::shadow::{Fibres, Shadow, Shape, Sight};
-use crate::transparency::a_buffer::{FRAGMENT_BYTES, KEY_BYTES};
+use crate::transparency::a_buffer::HALF_BYTES;
 use crate::transparency::nearest::Sought;
 use crate::transparency::sorted_blending::Sorting;
 use crate::transparency::{Needs, Transparency};
 use crate::view::View;
 use choices::{choose_shadow, choose_transparency, one_shader};
-use seen::{Seen, key_packing, key_range, place_of_depth, view_size};
+use seen::{Seen, key_range, place_of_depth, view_size, word_bits};
 
 /// A run of a hair, and where its points lie among the frame's pooled points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,20 +132,12 @@ pub(crate) struct Plan {
     pub tracked: bool,
     /// The pixel of the target that the view begins at.
     pub origin: [u32; 2],
-    /// Parts of the fragment pool that the frame uses, 1 or 2.
-    pub parts: u32,
     pub frame_uniform: layout::Frame,
 }
 
-/// Fragments of which each of the pool's two parts holds what is not their key: what one binding holds. One binding holds as many
-/// keys as both.
-pub(crate) fn part_capacity(gpu: &Gpu) -> u64 {
-    gpu.max_binding() / (FRAGMENT_BYTES - KEY_BYTES)
-}
-
-/// Fragments that a pool of counted arrays can hold on this device, whatever its memory.
+/// Fragments that a pool can hold on this device, whatever its memory: each half of their words is in one binding.
 pub(crate) fn most_fragments(gpu: &Gpu) -> u64 {
-    (2 * part_capacity(gpu)).min(gpu.max_binding() / KEY_BYTES)
+    gpu.max_binding() / HALF_BYTES
 }
 
 /// Room in a new pool beyond what the frame is expected, or was measured, to need.
@@ -428,7 +420,6 @@ impl Plan {
             },
             tracked: viewport.tracked(),
             origin: [left, top],
-            parts: 1,
             frame_uniform: layout::Frame {
                 ambient: frame.ambient.into(),
                 light_count: frame.lights.len() as u32,
@@ -441,10 +432,10 @@ impl Plan {
                 tail_scale: tail_scale(frame, &placed, origin),
                 run_points: largest,
                 run_rows: rows,
-                part_capacity: part_capacity(gpu) as u32,
+                unseen: transparency.unseen(),
                 origin: [left, top],
                 key_first: keys[0],
-                key_packing: key_packing(keys, point_count),
+                word_bits: word_bits(keys, point_count),
                 cut_depth: transparency.cut_depth(),
                 depth_shift: transparency.depth_shift(),
                 fibre_runs: (point_count * FIBRE_POINT_VECTORS) as u32,
@@ -452,7 +443,7 @@ impl Plan {
                 place_of_depth: place_of_depth(&clip_from_relative, &placed, frame.view.reverse_z),
                 technique: transparency.values(),
                 occluder_count: occluded_by.len() as u32,
-                unseen: transparency.unseen(),
+                padding_0: 0,
                 padding_1: 0,
                 padding_2: 0,
                 lights: bytemuck::Zeroable::zeroed(),
@@ -563,9 +554,6 @@ impl Plan {
     /// Writes the frame's own block, when everything in it is known.
     pub fn seal(&mut self, capacity: u64) {
         self.frame_uniform.capacity = capacity as u32;
-        self.parts = capacity
-            .div_ceil(u64::from(self.frame_uniform.part_capacity))
-            .clamp(1, 2) as u32;
         let size = std::mem::size_of::<layout::Frame>();
         self.uniforms[..size].copy_from_slice(bytemuck::bytes_of(&self.frame_uniform));
     }

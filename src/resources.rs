@@ -10,12 +10,12 @@ use crate::gpu::{Allocation, Gpu, Group, ImageAllocation, Passes};
 use crate::layout::{Counters, MAX_OCCLUDERS, ORDER_KEYS, PointOutput, Projected};
 use crate::memory::Forecast;
 use crate::occluder::Occluder;
-use crate::plan::{POOL_MARGIN, Plan, PlannedMap, most_fragments, part_capacity};
+use crate::plan::{POOL_MARGIN, Plan, PlannedMap, most_fragments};
 use crate::raster::{ATTACHMENT, Rasteriser};
 use crate::shading::{ShadingRate, tables, transmission};
 use crate::shadow::held::HeldMaps;
 use crate::surface::{Subresource, Surface};
-use crate::transparency::a_buffer::{self, FRAGMENT_BYTES, KEY_BYTES, NODE_BYTES};
+use crate::transparency::a_buffer::{FRAGMENT_BYTES, HALF_BYTES, NODE_BYTES};
 use crate::transparency::sorted_blending::MAX_PARTS;
 use crate::transparency::{Fragments, Transparency, read_group};
 
@@ -46,8 +46,8 @@ pub(crate) struct Pixels {
     pub counters: Allocation,
     pub fill: Allocation,
     pub links: Allocation,
-    /// The parts of the fragment pool.
-    pub fragments: [Allocation; 3],
+    /// The fragment pool: the upper and the lower halves of words.
+    pub fragments: [Allocation; 2],
     pub overflow: Allocation,
 }
 
@@ -58,7 +58,7 @@ impl Pixels {
             counters: empty("pelage.counters")?,
             fill: empty("pelage.transparency.fill")?,
             links: empty(LINKS)?,
-            fragments: [empty(FRAGMENTS)?, empty(FRAGMENTS)?, empty(FRAGMENTS)?],
+            fragments: [empty(FRAGMENTS)?, empty(FRAGMENTS)?],
             overflow: empty("pelage.transparency.overflow")?,
         })
     }
@@ -602,6 +602,12 @@ impl Resources {
                 growth.buffer(&mut pool.fragments[0], FRAGMENTS, bytes)?;
                 Ok(self.capacity)
             }
+            Fragments::Halves(bytes) => {
+                for half in &mut pool.fragments {
+                    growth.buffer(half, FRAGMENTS, bytes)?;
+                }
+                Ok(self.capacity)
+            }
             Fragments::Pool { linked, bytes } => {
                 let expected = plan.transparency.expected(plan.expected_fragments, pixels);
                 self.grow_fragments(gpu, plan, expected, linked, bytes, growth)
@@ -620,14 +626,8 @@ impl Resources {
         growth: &mut Growth,
     ) -> Result<u64> {
         let each = if lists { NODE_BYTES } else { FRAGMENT_BYTES };
-        let part = part_capacity(gpu);
-        let held = self.fragments_held(part);
-        // Lists keep their links in one binding.
-        let most = if lists {
-            (2 * part).min(gpu.max_binding() / 4)
-        } else {
-            most_fragments(gpu)
-        };
+        let held = self.fragments_held();
+        let most = most_fragments(gpu);
         let wanted = match pool_bytes {
             Some(bytes) => (bytes / each).min(most),
             None => {
@@ -640,15 +640,14 @@ impl Resources {
         let left = (growth.left().saturating_sub(reserve) / each).saturating_add(held);
         let wanted = wanted.min(left).max(1);
         if held < wanted {
-            let bytes = a_buffer::pool_bytes(wanted, part);
-            for (slot, bytes) in self.pixels.fragments.iter_mut().zip(bytes) {
-                growth.buffer_anew(slot, FRAGMENTS, bytes)?;
+            for half in &mut self.pixels.fragments {
+                growth.buffer_anew(half, FRAGMENTS, wanted * HALF_BYTES)?;
             }
         }
         if lists {
             growth.buffer(&mut self.pixels.links, LINKS, wanted * 4)?;
         }
-        let held = self.fragments_held(part).min(most);
+        let held = self.fragments_held().min(most);
         let capacity = if pool_bytes.is_some() {
             wanted.min(held)
         } else {
@@ -661,15 +660,10 @@ impl Resources {
         })
     }
 
-    /// Fragments that the pool holds, by keys and by the rest of them: the second part counts where the first one is full.
-    fn fragments_held(&self, part: u64) -> u64 {
-        let [keys, first, second] = self.pixels.fragments.each_ref().map(|slot| slot.size());
-        let rest = FRAGMENT_BYTES - KEY_BYTES;
-        let mut held = (first / rest).min(part);
-        if held == part {
-            held += (second / rest).min(part);
-        }
-        held.min(keys / KEY_BYTES)
+    /// Fragments that the pool holds.
+    fn fragments_held(&self) -> u64 {
+        let [upper, lower] = self.pixels.fragments.each_ref().map(Allocation::size);
+        upper.min(lower) / HALF_BYTES
     }
 
     /// The attachment of ribbons, as large as the largest image that they draw.
@@ -874,7 +868,6 @@ impl Resources {
             &pool.links,
             &pool.fragments[0],
             &pool.fragments[1],
-            &pool.fragments[2],
             &pool.overflow,
             shaded,
         ]

@@ -76,6 +76,7 @@ files![
     "shadow/k_buffer_volume_emit",
     "shadow/k_buffer_volume_prefix",
     "transparency/emit_common",
+    "transparency/fragment_word",
     "transparency/nearest",
     "transparency/nearest_emit",
     "transparency/weighted_blended",

@@ -312,7 +312,7 @@ pub fn combinations() -> Vec<Combination> {
                         "{} {} {rasteriser}, shaded by {rate:?}",
                         emission.label, emission.stage
                     ),
-                    emission.module(rasteriser, 2, rate),
+                    emission.module(rasteriser, rate),
                 ));
             }
         }
@@ -384,12 +384,12 @@ pub fn combinations() -> Vec<Combination> {
     for (name, technique) in &techniques {
         modules.push((
             format!("composite {name}"),
-            composite::module(technique, 2, None),
+            composite::module(technique, None),
         ));
         for tracked in [false, true] {
             modules.push((
                 format!("outputs {name}, tracked {tracked}"),
-                resolve_module(technique, 2, None)
+                resolve_module(technique, None)
                     .and(&["common/fullscreen", "outputs"])
                     .with("TRACKED", Constant::Bool(tracked)),
             ));
@@ -444,7 +444,7 @@ pub fn combinations() -> Vec<Combination> {
                 if !technique.shades_fragments() || !(usual || *technique_name == "counted") {
                     continue;
                 }
-                let module = composite::module(technique, 2, Some(&shader));
+                let module = composite::module(technique, Some(&shader));
                 modules.push((format!("composite {technique_name}, {name}"), module));
             }
         }
@@ -577,8 +577,8 @@ pub fn layouts() -> Vec<Layout> {
         ShadowView { clip_from_relative, depth_row, front_base, layer_base, padding_0, padding_1, values, colour }
         Frame {
             ambient, light_count, eye, relative_from_clip, width, height, capacity, flags, tail_scale, run_points, run_rows,
-            part_capacity, origin, cut_depth, depth_shift, fibre_runs, seed, key_first, key_packing, place_of_depth, technique,
-            occluder_count, unseen, padding_1, padding_2, lights, shadow_views, occluders,
+            unseen, origin, cut_depth, depth_shift, fibre_runs, seed, key_first, word_bits, place_of_depth, technique,
+            occluder_count, padding_0, padding_1, padding_2, lights, shadow_views, occluders,
         }
         Occluder { clip_from_relative, light, pcf, bias, flags }
         Material { values }

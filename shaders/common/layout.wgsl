@@ -129,7 +129,8 @@ struct Frame {
     run_points: u32,
     run_rows: u32,
     // Fragments of which each of the pool's two parts holds what is not their key.
-    part_capacity: u32,
+    // What lies behind this transmittance is not composited.
+    unseen: f32,
     // The pixel of the target that the view begins at.
     origin: vec2u,
     // DBK-buffer: optical depth beyond which nothing is stored, and the depth shift in host units where that decides.
@@ -139,17 +140,17 @@ struct Frame {
     fibre_runs: u32,
     // What strands' hashes are made with.
     seed: u32,
-    // How a depth key and a point share a word: the nearest key of the frame's hair, and bits by which keys are shifted, with
-    // the bits of a point above them, and above these the bits by which they are shifted to place the DBK-buffer's bins.
+    // The nearest depth key of the frame's hair; and how a fragment's word is parted, from the lowest eight bits: bits by which keys
+    // are shifted, bits of the point in the upper half, bits below it in the lower, bits by which keys are shifted to place the
+    // DBK-buffer's bins.
     key_first: u32,
-    key_packing: u32,
+    word_bits: u32,
     // A depth's place in the extent of all hair along the view's axis, from 0 to 1: (x depth + y) / (z depth + w).
     place_of_depth: vec4f,
     // Settings of the transparency technique, in the order in which its files read them.
     technique: vec4f,
     occluder_count: u32,
-    // What lies behind this transmittance is not composited.
-    unseen: f32,
+    padding_0: u32,
     padding_1: u32,
     padding_2: u32,
     lights: array<Light, MAX_LIGHTS>,

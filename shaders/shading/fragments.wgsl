@@ -2,7 +2,7 @@
 // position, tangent, shadow and model. `shading/fibre_points` has written what it reads.
 
 @group(1) @binding(0) var<storage, read> shading_tables: array<u32>;
-@group(3) @binding(7) var<storage, read> fibre_points: array<vec4u>;
+@group(3) @binding(6) var<storage, read> fibre_points: array<vec4u>;
 
 // Where the fragment's run keeps its parameters.
 var<private> fragments_run: u32;

@@ -1,21 +1,22 @@
 // A-buffer: the resolve. Composites a pixel's fragments front to back until the rest cannot be seen, and then the overflow's
 // tail. `a_buffer_sorted` orders most of counted arrays; what it leaves, and lists, are selected here in order of
-// (depth, segment), eight at a time in registers.
+// (depth, segment), eight at a time in registers, by the upper halves of their words.
 //
-// Each round reads all of the pixel's keys, eight at a time, puts these in order by Batcher's network, and takes of them and of the
-// eight that are kept the lower ones, in order again by half a bitonic network: 39 steps without a branch for eight keys, where
-// insertion of one key by one takes 56, masked, on drivers whose lanes go together.
+// Each round reads all of the pixel's fragments, eight at a time, puts these in order by Batcher's network, and takes of them and of the
+// eight that are kept the lower ones, in order again by half a bitonic network: 39 steps without a branch for eight of them,
+// where insertion one by one takes 56, masked, on drivers whose lanes go together.
 //
 // A pixel whose list is so long that ordering it would take more than A_BUFFER_STEPS steps has its farthest part
 // merged like a tail: exact transmittance, weighted colour.
 
+// A fragment: the upper half of its word, and its place.
 struct Candidate {
-    key: u32,
+    upper: u32,
     place: u32,
 }
 
 fn a_buffer_order(near: ptr<function, Candidate>, far: ptr<function, Candidate>) {
-    if (*far).key < (*near).key {
+    if (*far).upper < (*near).upper {
         let moved = *near;
         *near = *far;
         *far = moved;
@@ -23,13 +24,13 @@ fn a_buffer_order(near: ptr<function, Candidate>, far: ptr<function, Candidate>)
 }
 
 // A fragment that is not done yet, or none.
-fn a_buffer_candidate(key: u32, place: u32, least: u32) -> Candidate {
-    if key < least { return Candidate(A_BUFFER_NONE, A_BUFFER_NONE); }
-    return Candidate(key, place);
+fn a_buffer_candidate(upper: u32, place: u32, least: u32) -> Candidate {
+    if upper < least { return Candidate(A_BUFFER_NONE, A_BUFFER_NONE); }
+    return Candidate(upper, place);
 }
 
-fn a_buffer_within(key: u32, place: u32, least: u32, first: u32, end: u32) -> Candidate {
-    return a_buffer_candidate(key, place, select(A_BUFFER_NONE, least, place >= first && place < end));
+fn a_buffer_within(upper: u32, place: u32, least: u32, first: u32, end: u32) -> Candidate {
+    return a_buffer_candidate(upper, place, select(A_BUFFER_NONE, least, place >= first && place < end));
 }
 
 // The fragment of a list's node, of which there may be none, and then the next node.
@@ -37,23 +38,24 @@ fn a_buffer_listed(node: ptr<function, u32>, least: u32) -> Candidate {
     if *node == 0u { return Candidate(A_BUFFER_NONE, A_BUFFER_NONE); }
     let place = *node - 1u;
     *node = links[place];
-    return a_buffer_candidate(a_buffer_key(place), place, least);
+    return a_buffer_candidate(a_buffer_upper(place), place, least);
 }
 
-// Keeps the lower of two; the key of the other.
+// Keeps the lower of two; the upper half of the other's word.
 fn a_buffer_lower(kept: ptr<function, Candidate>, other: Candidate) -> u32 {
-    let left = max((*kept).key, other.key);
-    if other.key < (*kept).key { *kept = other; }
+    let left = max((*kept).upper, other.upper);
+    if other.upper < (*kept).upper { *kept = other; }
     return left;
 }
 
-// Whether two candidates in order have one depth.
+// Whether two candidates in order are alike, so that the lower halves decide.
 fn a_buffer_equal(near: Candidate, far: Candidate) -> bool {
-    return near.key == far.key && far.place != A_BUFFER_NONE;
+    return near.upper == far.upper && far.place != A_BUFFER_NONE;
 }
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    word_begin();
     shaded_begin(pixel);
     let number = pixel_number(pixel);
     let first = a_buffer_first(number);
@@ -64,10 +66,10 @@ fn resolve(pixel: vec2u) -> Resolved {
     var result = Resolved(vec4f(0.0), begun.nearest);
     var transmittance = begun.transmittance;
     var colour = begun.colour;
-    // Fragments with a lower key are done. Where more of one key than a round holds are left, `grouped` is set, and of
-    // that key those whose points come before `point` are done.
-    var key = begun.key;
-    var point = 0u;
+    // Fragments with a lower upper half are done. Where more of one upper half than a round holds are left, `grouped` is set, and
+    // of these those with a lower lower half are done.
+    var upper = begun.upper;
+    var lower = 0u;
     var grouped = false;
     var done = begun.done;
     // Steps that are left, but for those that count a list and merge a rest; and those of a round and of a fragment of a group.
@@ -85,7 +87,7 @@ fn resolve(pixel: vec2u) -> Resolved {
         var k5 = none;
         var k6 = none;
         var k7 = none;
-        // The lowest key of those that were left out.
+        // The lowest of those that were left out.
         var left = A_BUFFER_NONE;
         var node = first;
         // Eight at a time: put in order by a network (19 steps, the fewest), and merged with the eight kept ones. Counted arrays are
@@ -102,25 +104,25 @@ fn resolve(pixel: vec2u) -> Resolved {
             var c6 = none;
             var c7 = none;
             if LISTS {
-                c0 = a_buffer_listed(&node, key);
-                c1 = a_buffer_listed(&node, key);
-                c2 = a_buffer_listed(&node, key);
-                c3 = a_buffer_listed(&node, key);
-                c4 = a_buffer_listed(&node, key);
-                c5 = a_buffer_listed(&node, key);
-                c6 = a_buffer_listed(&node, key);
-                c7 = a_buffer_listed(&node, key);
+                c0 = a_buffer_listed(&node, upper);
+                c1 = a_buffer_listed(&node, upper);
+                c2 = a_buffer_listed(&node, upper);
+                c3 = a_buffer_listed(&node, upper);
+                c4 = a_buffer_listed(&node, upper);
+                c5 = a_buffer_listed(&node, upper);
+                c6 = a_buffer_listed(&node, upper);
+                c7 = a_buffer_listed(&node, upper);
             } else {
                 let low = fragments_0[base / 4u];
                 let high = fragments_0[min(base / 4u + 1u, (end_place - 1u) / 4u)];
-                c0 = a_buffer_within(low.x, base, key, first, end_place);
-                c1 = a_buffer_within(low.y, base + 1u, key, first, end_place);
-                c2 = a_buffer_within(low.z, base + 2u, key, first, end_place);
-                c3 = a_buffer_within(low.w, base + 3u, key, first, end_place);
-                c4 = a_buffer_within(high.x, base + 4u, key, first, end_place);
-                c5 = a_buffer_within(high.y, base + 5u, key, first, end_place);
-                c6 = a_buffer_within(high.z, base + 6u, key, first, end_place);
-                c7 = a_buffer_within(high.w, base + 7u, key, first, end_place);
+                c0 = a_buffer_within(low.x, base, upper, first, end_place);
+                c1 = a_buffer_within(low.y, base + 1u, upper, first, end_place);
+                c2 = a_buffer_within(low.z, base + 2u, upper, first, end_place);
+                c3 = a_buffer_within(low.w, base + 3u, upper, first, end_place);
+                c4 = a_buffer_within(high.x, base + 4u, upper, first, end_place);
+                c5 = a_buffer_within(high.y, base + 5u, upper, first, end_place);
+                c6 = a_buffer_within(high.z, base + 6u, upper, first, end_place);
+                c7 = a_buffer_within(high.w, base + 7u, upper, first, end_place);
             }
             a_buffer_order(&c0, &c1);
             a_buffer_order(&c2, &c3);
@@ -162,26 +164,26 @@ fn resolve(pixel: vec2u) -> Resolved {
             a_buffer_order(&k4, &k5);
             a_buffer_order(&k6, &k7);
         }
-        // Whether a fragment of the last one's key was left out.
-        let tied = left == k7.key && k7.key != A_BUFFER_NONE;
-        // A key of which some were left out waits for the next round as a whole; or goes one by one, if it alone fills
-        // this one.
-        if tied && k0.key == k7.key {
+        // Whether one alike to the last was left out.
+        let tied = left == k7.upper && k7.upper != A_BUFFER_NONE;
+        // Those that are alike and of which some were left out wait for the next round together; or go one by one, if they alone
+        // fill this one.
+        if tied && k0.upper == k7.upper {
             grouped = true;
-            key = k0.key;
-            point = 0u;
+            upper = k0.upper;
+            lower = 0u;
         }
-        if grouped { k0 = a_buffer_next(first, count, key, point); }
-        let end = select(select(A_BUFFER_NONE, k7.key, tied), A_BUFFER_NONE, grouped);
+        if grouped { k0 = a_buffer_next(first, count, upper, lower); }
+        let end = select(select(A_BUFFER_NONE, k7.upper, tied), A_BUFFER_NONE, grouped);
         let take = select(8u, 1u, grouped);
         let found = k0.place != A_BUFFER_NONE;
-        // Fragments of one depth are put in the order of their points: seven ways through the registers, which are turned by one
+        // Those that are alike are put in the order of their lower halves: seven ways through the registers, which are turned by one
         // at each step, so that none of them is chosen by an index.
         let equal = a_buffer_equal(k0, k1) || a_buffer_equal(k1, k2) || a_buffer_equal(k2, k3) || a_buffer_equal(k3, k4)
             || a_buffer_equal(k4, k5) || a_buffer_equal(k5, k6) || a_buffer_equal(k6, k7);
         let steps = select(0u, 56u, equal && !grouped);
         for (var step = 0u; step < steps; step++) {
-            if step % 8u < 7u && a_buffer_equal(k0, k1) && a_buffer_words(k0.place).x > a_buffer_words(k1.place).x {
+            if step % 8u < 7u && a_buffer_equal(k0, k1) && fragments_1[k0.place] > fragments_1[k1.place] {
                 let moved = k0;
                 k0 = k1;
                 k1 = moved;
@@ -196,14 +198,14 @@ fn resolve(pixel: vec2u) -> Resolved {
             k6 = k7;
             k7 = moved;
         }
-        for (var i = 0u; i < take && k0.key < end && transmittance > unseen; i++) {
-            let words = a_buffer_words(k0.place);
-            let value = a_buffer_value(words.y);
-            colour += transmittance * value.x * shaded_colour(words.x, value.y);
+        for (var i = 0u; i < take && k0.upper < end && transmittance > unseen; i++) {
+            let word = vec2u(k0.upper, fragments_1[k0.place]);
+            let value = word_value(word.y);
+            colour += transmittance * value.x * shaded_colour(word_point(word), value.y);
             transmittance *= 1.0 - value.x;
-            if result.key == A_BUFFER_NONE && value.x > 0.0 { result.key = k0.key; }
-            key = select(k0.key + 1u, key, grouped);
-            point = words.x + 1u;
+            if result.key == A_BUFFER_NONE && value.x > 0.0 { result.key = word_key(word.x); }
+            upper = select(word.x + 1u, upper, grouped);
+            lower = word.y + 1u;
             done += 1u;
             k0 = k1;
             k1 = k2;
@@ -220,7 +222,7 @@ fn resolve(pixel: vec2u) -> Resolved {
         // The group has ended.
         if grouped && !found {
             grouped = false;
-            key += 1u;
+            upper += 1u;
         }
     }
     if done < count && transmittance > unseen {
@@ -231,13 +233,12 @@ fn resolve(pixel: vec2u) -> Resolved {
         for (var i = 0u; i < count; i++) {
             let place = select(first + i, node - 1u, LISTS);
             if LISTS { node = links[place]; }
-            let candidate_key = a_buffer_key(place);
-            let words = a_buffer_words(place);
-            if candidate_key < key || (grouped && candidate_key == key && words.x < point) { continue; }
-            let value = a_buffer_value(words.y);
+            let word = a_buffer_word(place);
+            if word.x < upper || (grouped && word.x == upper && word.y < lower) { continue; }
+            let value = word_value(word.y);
             depth += optical_depth(value.x);
             weight += value.x;
-            sum += value.x * shaded_colour(words.x, value.y);
+            sum += value.x * shaded_colour(word_point(word), value.y);
         }
         let through = exp(-depth);
         colour += transmittance * (1.0 - through) * sum / max(weight, 1e-20);
@@ -265,19 +266,19 @@ fn resolve(pixel: vec2u) -> Resolved {
     return result;
 }
 
-// Of a pixel's fragments with a key, the one with the lowest point from `point` on.
-fn a_buffer_next(first: u32, count: u32, key: u32, point: u32) -> Candidate {
+// Of a pixel's fragments with an upper half, the one with the lowest lower half from `lower` on.
+fn a_buffer_next(first: u32, count: u32, upper: u32, lower: u32) -> Candidate {
     var lowest = A_BUFFER_NONE;
     var found = Candidate(A_BUFFER_NONE, A_BUFFER_NONE);
     var node = first;
     for (var i = 0u; i < count; i++) {
         let place = select(first + i, node - 1u, LISTS);
         if LISTS { node = links[place]; }
-        if a_buffer_key(place) != key { continue; }
-        let candidate = a_buffer_words(place).x;
-        if candidate >= point && candidate < lowest {
+        if a_buffer_upper(place) != upper { continue; }
+        let candidate = fragments_1[place];
+        if candidate >= lower && candidate < lowest {
             lowest = candidate;
-            found = Candidate(key, place);
+            found = Candidate(upper, place);
         }
     }
     return found;

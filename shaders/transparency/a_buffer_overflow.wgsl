@@ -4,7 +4,7 @@
 
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 @group(3) @binding(1) var<storage, read_write> fill: array<u32>;
-@group(3) @binding(6) var<storage, read_write> overflow: array<u32>;
+@group(3) @binding(5) var<storage, read_write> overflow: array<u32>;
 
 const OVERFLOW_STRIDE: u32 = 16384u;
 

@@ -4,10 +4,9 @@
 @group(3) @binding(0) var<storage, read> counters: array<u32>;
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
 @group(3) @binding(2) var<storage, read> links: array<u32>;
-// Keys, by fours.
+// The upper halves of the fragments' words, by fours, and the lower ones.
 @group(3) @binding(3) var<storage, read> fragments_0: array<vec4u>;
-@group(3) @binding(4) var<storage, read> fragments_1: array<vec2u>;
-@group(3) @binding(5) var<storage, read> fragments_2: array<vec2u>;
+@group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
 
 // What the A-buffer leaves out at most, by its transmittance; `UNSEEN` in Rust.
 const A_BUFFER_UNSEEN: f32 = 0.000244140625;
@@ -25,20 +24,12 @@ struct Resolved {
     key: u32,
 }
 
-fn a_buffer_key(place: u32) -> u32 {
+fn a_buffer_upper(place: u32) -> u32 {
     return fragments_0[place / 4u][place % 4u];
 }
 
-// A fragment's point, and the word of its opacity and its place along the segment.
-fn a_buffer_words(place: u32) -> vec2u {
-    if PARTS == 1u || place < frame.part_capacity { return fragments_1[place]; }
-    return fragments_2[place - frame.part_capacity];
-}
-
-// A fragment's opacity and its place along the segment, from their word.
-fn a_buffer_value(word: u32) -> vec2f {
-    let root = f32(word & 0xffffu) / 65535.0;
-    return vec2f(root * root, f32(word >> 16u) / 65535.0);
+fn a_buffer_word(place: u32) -> vec2u {
+    return vec2u(a_buffer_upper(place), fragments_1[place]);
 }
 
 // The first fragment of a pixel: a place in counted arrays, a node + 1 in lists. The scatter has counted each pixel's
@@ -75,8 +66,10 @@ fn a_buffer_tail_key(number: u32) -> u32 {
 // The nearest fragment of a pixel, and the opacity of all.
 fn a_buffer_nearest(pixel: vec2u) -> Nearest {
     pixels_begin();
+    word_begin();
     let number = pixel_number(pixel);
     let first = a_buffer_first(number);
+    var foremost = vec2u(A_BUFFER_NONE);
     var near = Nearest(A_BUFFER_NONE, A_BUFFER_NONE, 0.0, 0.0);
     // An integer sum, whatever the order of the fragments; from 2^31 on, an optical depth of 32,768, it stays.
     var depth = 0u;
@@ -90,17 +83,19 @@ fn a_buffer_nearest(pixel: vec2u) -> Nearest {
         } else {
             if place >= links[number] { break; }
         }
-        let key = a_buffer_key(place);
-        let words = a_buffer_words(place);
-        let value = a_buffer_value(words.y);
+        let word = a_buffer_word(place);
+        let value = word_value(word.y);
         place += 1u;
         if value.x == 0.0 { continue; }
         depth = min(depth + u32(optical_depth(value.x) * OPTICAL_DEPTH_SCALE + 0.5), 0x80000000u);
-        if key < near.key || (key == near.key && words.x < near.point) {
-            near.key = key;
-            near.point = words.x;
+        if word_before(word, foremost) {
+            foremost = word;
             near.along = value.y;
         }
+    }
+    if foremost.x != A_BUFFER_NONE {
+        near.key = word_key(foremost.x);
+        near.point = word_point(foremost);
     }
     var transmittance = exp(-f32(depth) / OPTICAL_DEPTH_SCALE);
     if a_buffer_overflowed() {

@@ -4,33 +4,24 @@
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 // Counted: first place of a pixel, counted up to its end as fragments are stored. Lists: next node, as in `fill`.
 @group(3) @binding(2) var<storage, read_write> links: array<atomic<u32>>;
-// The fragments' keys, by which they are ordered; and of each its point, and its opacity with its place along the segment, in
-// two parts, since one binding may be too small for them.
+// The upper and the lower halves of the fragments' words.
 @group(3) @binding(3) var<storage, read_write> fragments_0: array<u32>;
-@group(3) @binding(4) var<storage, read_write> fragments_1: array<vec2u>;
-@group(3) @binding(5) var<storage, read_write> fragments_2: array<vec2u>;
+@group(3) @binding(4) var<storage, read_write> fragments_1: array<u32>;
 
 var<private> a_buffer_culled: u32;
 var<private> a_buffer_capacity: u32;
-var<private> a_buffer_part: u32;
 
 fn a_buffer_begin() {
     emit_common_begin();
     a_buffer_culled = 0u;
     a_buffer_capacity = frame.capacity;
-    a_buffer_part = frame.part_capacity;
+    word_begin();
 }
 
 fn a_buffer_store(place: u32, key: u32, fragment: Fragment) {
-    // The root keeps thin fibres' small opacities apart: 0.05 % at 0.001. Both values are within 0 and 1.
-    let value = u32(sqrt(fragment.opacity) * 65535.0 + 0.5) | (u32(fragment.along * 65535.0 + 0.5) << 16u);
-    let words = vec2u(fragment.point, value);
-    fragments_0[place] = key;
-    if PARTS == 1u || place < a_buffer_part {
-        fragments_1[place] = words;
-    } else if PARTS > 1u {
-        fragments_2[place - a_buffer_part] = words;
-    }
+    let word = word_pack(StoredFragment(key, fragment.point, fragment.opacity, fragment.along));
+    fragments_0[place] = word.x;
+    fragments_1[place] = word.y;
 }
 
 // Widens the range of a pixel's keys.

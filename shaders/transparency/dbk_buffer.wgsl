@@ -4,7 +4,7 @@
 @group(1) @binding(0) var<storage, read_write> host_tiles: array<vec2u>;
 @group(3) @binding(1) var<storage, read_write> fill: array<u32>;
 @group(3) @binding(2) var<storage, read_write> links: array<u32>;
-@group(3) @binding(6) var<storage, read_write> overflow: array<u32>;
+@group(3) @binding(5) var<storage, read_write> overflow: array<u32>;
 
 // A mix of two depths may fall short of both by its rounding.
 const DBK_ROUNDING: u32 = 16u;

@@ -54,7 +54,7 @@ const DBK_NO_BINS: u32 = 0xffffffffu;
 
 // The steps of the frame: its first key, and the shift.
 fn dbk_steps() -> vec2u {
-    return vec2u(frame.key_first, frame.key_packing >> 16u);
+    return vec2u(frame.key_first, frame.word_bits >> 24u);
 }
 
 fn dbk_step(key: u32, steps: vec2u) -> u32 {

@@ -5,7 +5,7 @@
 @group(3) @binding(1) var<storage, read_write> fill: array<u32>;
 @group(3) @binding(2) var<storage, read_write> links: array<u32>;
 // A pixel's bins are two vectors.
-@group(3) @binding(6) var<storage, read_write> overflow: array<vec4u>;
+@group(3) @binding(5) var<storage, read_write> overflow: array<vec4u>;
 
 var<workgroup> dbk_culled: atomic<u32>;
 

@@ -4,7 +4,7 @@
 
 @group(1) @binding(0) var<storage, read> projected: array<Projected>;
 @group(3) @binding(1) var<storage, read_write> fill: array<atomic<u32>>;
-@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
+@group(3) @binding(5) var<storage, read_write> overflow: array<atomic<u32>>;
 
 // The tile of a place within the band; columns × rows, one too many, where it lies outside.
 fn dbk_tile_at(position: vec2f, columns: u32, rows: u32) -> u32 {

@@ -10,16 +10,10 @@ struct Resolved {
 }
 
 fn depth_peeling_composite(number: u32) -> vec4f {
-    let words = number * PEEL_WORDS;
-    let bits = vec3u(peeled[words + PEEL_COLOUR], peeled[words + PEEL_COLOUR + 1u], peeled[words + PEEL_COLOUR + 2u]);
+    let state = number * PEEL_WORDS;
+    let bits = vec3u(peeled[state + PEEL_COLOUR], peeled[state + PEEL_COLOUR + 1u], peeled[state + PEEL_COLOUR + 2u]);
     var colour = bitcast<vec3f>(bits);
-    var transmittance = bitcast<f32>(peeled[words + PEEL_TRANSMITTANCE] ^ PEEL_ONE);
-    let word = peeled[words + PEEL_VALUE];
-    if word != 0u {
-        let value = depth_peeling_value(word);
-        colour += transmittance * value.x * shaded_colour(peeled[words + PEEL_POINT] - 1u, value.y);
-        transmittance *= 1.0 - value.x;
-    }
+    var transmittance = bitcast<f32>(peeled[state + PEEL_TRANSMITTANCE] ^ PEEL_ONE);
     if transmittance > PEEL_UNSEEN {
         let tail = tail_of(number);
         colour += transmittance * tail.xyz;

@@ -4,7 +4,7 @@
 //
 // Yu keeps the registers unordered and looks for the farthest at each replacement. Here they are in order, four to a
 // vector: the farthest is the last one, and an insertion is one step a vector, with no sort afterwards. The order is by
-// (key, point), so that neither equal depths nor the storage's order change the picture.
+// (depth, point), as the words' is, so that neither equal depths nor the storage's order change the picture.
 //
 // The rest, which Yu leaves out, is a layer behind them: REST_MERGED by exact transmittance and weighted colour, in integer
 // sums; REST_ALPHA by exact transmittance in the colour of the K; REST_DROPPED not at all.
@@ -27,10 +27,10 @@ fn k_buffer_add(sums: KBufferSums, steps: vec4u) -> KBufferSums {
     return KBufferSums(low, sums.high + select(vec4u(0u), vec4u(1u), low < steps));
 }
 
-// Colour and transmittance of the fragments from (key, point) on.
-fn k_buffer_rest(first: u32, count: u32, key: u32, point: u32) -> vec4f {
+// Colour and transmittance of the fragments from a word on.
+fn k_buffer_rest(first: u32, count: u32, from_word: vec2u) -> vec4f {
     // Where nothing was kept there is no other colour.
-    let with_colour = REST == REST_MERGED || (key == 0u && point == 0u);
+    let with_colour = REST == REST_MERGED || all(from_word == vec2u(0u));
     var sums = KBufferSums(vec4u(0u), vec4u(0u));
     // From 2^31 on, an optical depth of 32,768, it stays.
     var depth = 0u;
@@ -38,15 +38,14 @@ fn k_buffer_rest(first: u32, count: u32, key: u32, point: u32) -> vec4f {
     for (var i = 0u; i < count; i++) {
         let place = select(first + i, node - 1u, LISTS);
         if LISTS { node = links[place]; }
-        let other_key = a_buffer_key(place);
-        if other_key < key { continue; }
-        let words = a_buffer_words(place);
-        let other_point = words.x;
-        if other_key == key && other_point < point { continue; }
-        let value = a_buffer_value(words.y);
+        let upper = a_buffer_upper(place);
+        if upper < from_word.x { continue; }
+        let word = vec2u(upper, fragments_1[place]);
+        if word_before(word, from_word) { continue; }
+        let value = word_value(word.y);
         depth = min(depth + u32(optical_depth(value.x) * OPTICAL_DEPTH_SCALE + 0.5), 0x80000000u);
         if with_colour {
-            let colour = min(value.x * shaded_colour(other_point, value.y) * frame.tail_scale, vec3f(TAIL_LARGEST));
+            let colour = min(value.x * shaded_colour(word_point(word), value.y) * frame.tail_scale, vec3f(TAIL_LARGEST));
             sums = k_buffer_add(sums, vec4u(vec4f(value.x * TAIL_WEIGHT_SCALE, colour) + 0.5));
         }
     }
@@ -58,6 +57,7 @@ fn k_buffer_rest(first: u32, count: u32, key: u32, point: u32) -> vec4f {
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    word_begin();
     shaded_begin(pixel);
     let number = pixel_number(pixel);
     let first = a_buffer_first(number);
@@ -66,9 +66,8 @@ fn resolve(pixel: vec2u) -> Resolved {
     if count == 0u && !a_buffer_overflowed() { return result; }
     var transmittance = 1.0;
     var colour = vec3f(0.0);
-    // Fragments before (key, point) are done.
-    var key = 0u;
-    var point = 0u;
+    // Fragments before this word are done.
+    var next_word = vec2u(0u);
     var kept = 0u;
     // A list so long that keeping K of it would take more than A_BUFFER_STEPS steps keeps fewer.
     let steps = A_BUFFER_STEPS / (count + 1u);
@@ -76,68 +75,54 @@ fn resolve(pixel: vec2u) -> Resolved {
     // One for which even that is too much is the rest as a whole.
     let rounds = select(max(steps / (blocks + 1u), 2u) - 1u, 0u, steps < 3u && REST != REST_DROPPED);
     for (var round = 0u; round < rounds && kept < min(K, count) && transmittance > A_BUFFER_UNSEEN; round++) {
-        var keys: array<vec4u, K_BUFFER_BLOCKS>;
-        var points: array<vec4u, K_BUFFER_BLOCKS>;
-        var values: array<vec4u, K_BUFFER_BLOCKS>;
-        for (var block = 0u; block < K_BUFFER_BLOCKS; block++) { keys[block] = vec4u(A_BUFFER_NONE); }
-        var last_key = A_BUFFER_NONE;
-        var last_point = 0u;
+        var uppers: array<vec4u, K_BUFFER_BLOCKS>;
+        var lowers: array<vec4u, K_BUFFER_BLOCKS>;
+        for (var block = 0u; block < K_BUFFER_BLOCKS; block++) { uppers[block] = vec4u(A_BUFFER_NONE); }
+        var last = vec2u(A_BUFFER_NONE, 0u);
         var node = first;
         for (var i = 0u; i < count; i++) {
             let place = select(first + i, node - 1u, LISTS);
             if LISTS { node = links[place]; }
-            var carry_key = a_buffer_key(place);
-            if carry_key < key || carry_key > last_key { continue; }
-            let words = a_buffer_words(place);
-            var carry_point = words.x;
-            if carry_key == last_key && carry_point >= last_point { continue; }
-            if carry_key == key && carry_point < point { continue; }
-            var carry_value = words.y;
+            var carry = vec2u(a_buffer_upper(place), 0u);
+            if carry.x < next_word.x || carry.x > last.x { continue; }
+            carry.y = fragments_1[place];
+            if word_before(carry, next_word) || !word_before(carry, last) { continue; }
             // What covers nothing takes nobody's place.
-            if (carry_value & 0xffffu) == 0u { continue; }
+            if word_value(carry.y).x == 0.0 { continue; }
             if REGISTERS == 1u {
-                keys[0].x = carry_key;
-                points[0].x = carry_point;
-                values[0].x = carry_value;
-                last_key = carry_key;
-                last_point = carry_point;
+                uppers[0].x = carry.x;
+                lowers[0].x = carry.y;
+                last = carry;
                 continue;
             }
             for (var block = 0u; block < K_BUFFER_BLOCKS; block++) {
                 if block >= blocks { break; }
-                let old_keys = keys[block];
-                let old_points = points[block];
-                let old_values = values[block];
-                let new_key = vec4u(carry_key);
-                let before = (new_key < old_keys) | ((new_key == old_keys) & (vec4u(carry_point) < old_points));
+                let old_uppers = uppers[block];
+                let old_lowers = lowers[block];
+                let upper = vec4u(carry.x);
+                let lower = vec4u(carry.y);
+                let before = (upper < old_uppers) | ((upper == old_uppers) & (lower < old_lowers));
                 let shifted = vec4<bool>(false, before.xyz);
-                keys[block] = select(old_keys, select(new_key, vec4u(0u, old_keys.xyz), shifted), before);
-                points[block] = select(old_points, select(vec4u(carry_point), vec4u(0u, old_points.xyz), shifted), before);
-                values[block] = select(old_values, select(vec4u(carry_value), vec4u(0u, old_values.xyz), shifted), before);
-                carry_key = select(carry_key, old_keys.w, before.w);
-                carry_point = select(carry_point, old_points.w, before.w);
-                carry_value = select(carry_value, old_values.w, before.w);
-                last_key = keys[block].w;
-                last_point = points[block].w;
+                uppers[block] = select(old_uppers, select(upper, vec4u(0u, old_uppers.xyz), shifted), before);
+                lowers[block] = select(old_lowers, select(lower, vec4u(0u, old_lowers.xyz), shifted), before);
+                carry = select(carry, vec2u(old_uppers.w, old_lowers.w), before.w);
+                last = vec2u(uppers[block].w, lowers[block].w);
             }
         }
-        if keys[0].x == A_BUFFER_NONE { break; }
+        if uppers[0].x == A_BUFFER_NONE { break; }
         for (var i = 0u; i < min(REGISTERS, 4u * blocks) && kept < K && transmittance > A_BUFFER_UNSEEN; i++) {
-            let chosen = keys[i / 4u][i % 4u];
-            if chosen == A_BUFFER_NONE { break; }
-            let chosen_point = points[i / 4u][i % 4u];
-            let word = values[i / 4u][i % 4u];
-            let value = a_buffer_value(word);
-            colour += transmittance * value.x * shaded_colour(chosen_point, value.y);
+            let word = vec2u(uppers[i / 4u][i % 4u], lowers[i / 4u][i % 4u]);
+            if word.x == A_BUFFER_NONE { break; }
+            let value = word_value(word.y);
+            colour += transmittance * value.x * shaded_colour(word_point(word), value.y);
             transmittance *= 1.0 - value.x;
-            if kept == 0u { result.key = chosen; }
-            key = chosen;
-            point = chosen_point + 1u;
+            if kept == 0u { result.key = word_key(word.x); }
+            next_word = vec2u(word.x, word.y + 1u);
             kept += 1u;
         }
     }
     if REST != REST_DROPPED && kept < count && transmittance > A_BUFFER_UNSEEN {
-        let rest = k_buffer_rest(first, count, key, point);
+        let rest = k_buffer_rest(first, count, next_word);
         let opacity = transmittance * (1.0 - rest.w);
         let own = select(colour / (1.0 - transmittance), vec3f(0.0), kept == 0u);
         colour += opacity * select(own, rest.xyz, REST == REST_MERGED || kept == 0u);

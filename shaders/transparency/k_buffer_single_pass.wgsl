@@ -4,10 +4,10 @@
 @group(3) @binding(0) var<storage, read> counters: array<u32>;
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
 @group(3) @binding(2) var<storage, read> links: array<u32>;
+// The upper and the lower halves of the nodes' words, inverted.
 @group(3) @binding(3) var<storage, read> fragments_0: array<u32>;
 @group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
-@group(3) @binding(5) var<storage, read> fragments_2: array<u32>;
-@group(3) @binding(6) var<storage, read> overflow: array<u32>;
+@group(3) @binding(5) var<storage, read> overflow: array<u32>;
 
 const REST_MERGED: u32 = 0u;
 const REST_ALPHA: u32 = 1u;
@@ -26,29 +26,26 @@ struct Resolved {
     key: u32,
 }
 
-fn single_pass_word(node: u32, word: u32) -> u32 {
-    if word == 0u { return fragments_0[node]; }
-    let part = frame.part_capacity;
-    if PARTS == 1u || node < part { return fragments_1[node * 2u + word - 1u]; }
-    return fragments_2[(node - part) * 2u + word - 1u];
+fn single_pass_word(node: u32) -> vec2u {
+    return ~vec2u(fragments_0[node], fragments_1[node]);
 }
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    word_begin();
     shaded_begin(pixel);
     let number = pixel_number(pixel);
     let words = number * OVERFLOW_WORDS;
     var next = select(fill[number], SINGLE_PASS_END, fill[number] == 0u);
     // Nothing is nearer than what was stored, but where it failed.
     var result = Resolved(vec4f(0.0), ~overflow[words + TAIL_FIRST_KEY]);
-    if next != SINGLE_PASS_END { result.key = min(result.key, single_pass_word(next - 1u, 0u) - 1u); }
+    if next != SINGLE_PASS_END { result.key = min(result.key, word_key(single_pass_word(next - 1u).x)); }
     var transmittance = 1.0;
     var colour = vec3f(0.0);
     for (var i = 0u; i < K && next != SINGLE_PASS_END && transmittance > SINGLE_PASS_UNSEEN; i++) {
-        let value = single_pass_value(single_pass_word(next - 1u, 2u));
-        let point = single_pass_word(next - 1u, 1u) - 1u;
-        colour += transmittance * value.x * shaded_colour(point, value.y);
-        transmittance *= 1.0 - value.x;
+        let fragment = word_unpack(single_pass_word(next - 1u));
+        colour += transmittance * fragment.opacity * shaded_colour(fragment.point, fragment.along);
+        transmittance *= 1.0 - fragment.opacity;
         next = links[next - 1u];
     }
     if transmittance <= SINGLE_PASS_UNSEEN {
@@ -60,12 +57,12 @@ fn resolve(pixel: vec2u) -> Resolved {
     var high = (vec4u(carries) >> (vec4u(1u, 2u, 3u, 4u) * TAIL_CARRY_BITS)) & vec4u(63u);
     var depth = vec2u(overflow[words + TAIL_DEPTH], carries & 63u);
     for (var i = 0u; i < SINGLE_PASS_STEPS && next != SINGLE_PASS_END && REST != REST_DROPPED; i++) {
-        let word = single_pass_word(next - 1u, 2u);
-        let depth_steps = single_pass_depth_steps(word);
+        let fragment = word_unpack(single_pass_word(next - 1u));
+        let depth_steps = single_pass_depth_steps(fragment);
         depth.x += depth_steps;
         depth.y += select(0u, 1u, depth.x < depth_steps);
         if REST == REST_MERGED {
-            let steps = single_pass_steps(single_pass_word(next - 1u, 1u) - 1u, word, frame.tail_scale);
+            let steps = single_pass_steps(fragment, frame.tail_scale);
             low += steps;
             high += select(vec4u(0u), vec4u(1u), low < steps);
         }
@@ -86,7 +83,8 @@ fn nearest(pixel: vec2u) -> Nearest {
     var near = Nearest(resolved.key, 0xffffffffu, 0.0, resolved.colour.w);
     let first = fill[pixel_number(pixel)];
     if first == 0u { return near; }
-    near.point = single_pass_word(first - 1u, 1u) - 1u;
-    near.along = single_pass_value(single_pass_word(first - 1u, 2u)).y;
+    let fragment = word_unpack(single_pass_word(first - 1u));
+    near.point = fragment.point;
+    near.along = fragment.along;
     return near;
 }

@@ -5,12 +5,12 @@
 //
 // What differs from Yu, and why:
 // - WGSL's atomics order nothing but themselves: whoever finds a node need not yet see what was written into it. So each
-//   word of a node that others read is written once, over a zero, and cannot be mistaken for what it was before: a key
-//   and a point are stored with one added, a successor is never 0. Zero means not seen yet, and is read again. Older
+//   word of a node that others read is written once, over a zero, and cannot be mistaken for what it was before: a fragment's
+//   words are stored inverted, and none is ever all ones; a successor is never 0. Zero means not seen yet, and is read again. Older
 //   successors do no harm, since nodes are never taken out: they lead past nodes, and the exchange then fails.
 // - Nobody is promised progress, so that nobody waits without end: after RETRIES failures a fragment goes to its pixel's
 //   tail, as does one that finds the pool used up.
-// - The order is by (key, point), so that equal depths do not leave it to the scheduler.
+// - The order is by (depth, point), as the words' is, so that equal depths do not leave it to the scheduler.
 // - What was stored and then pushed behind K others is merged with the rest in the resolve, by the same integer sums. So the
 //   picture is the same, bit for bit, whoever came first, as long as nothing has failed.
 
@@ -19,11 +19,10 @@
 @group(3) @binding(1) var<storage, read_write> fill: array<atomic<u32>>;
 // Next node + 1; 0 = not seen yet.
 @group(3) @binding(2) var<storage, read_write> links: array<atomic<u32>>;
-// Three words a node: key + 1; and apart, in two parts, point + 1, and opacity with place along the segment.
+// The upper and the lower halves of the nodes' words, inverted.
 @group(3) @binding(3) var<storage, read_write> fragments_0: array<atomic<u32>>;
 @group(3) @binding(4) var<storage, read_write> fragments_1: array<atomic<u32>>;
-@group(3) @binding(5) var<storage, read_write> fragments_2: array<atomic<u32>>;
-@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
+@group(3) @binding(5) var<storage, read_write> overflow: array<atomic<u32>>;
 
 const REST_MERGED: u32 = 0u;
 const REST_ALPHA: u32 = 1u;
@@ -39,7 +38,6 @@ var<private> single_pass_produced: u32;
 var<private> single_pass_culled: u32;
 var<private> single_pass_merged: u32;
 var<private> single_pass_capacity: u32;
-var<private> single_pass_part: u32;
 var<private> single_pass_tail_scale: f32;
 
 fn emit_begin() -> bool {
@@ -48,7 +46,7 @@ fn emit_begin() -> bool {
     single_pass_culled = 0u;
     single_pass_merged = 0u;
     single_pass_capacity = frame.capacity;
-    single_pass_part = frame.part_capacity;
+    word_begin();
     single_pass_tail_scale = frame.tail_scale;
     return true;
 }
@@ -57,25 +55,6 @@ fn emit_end() {
     if single_pass_produced > 0u { atomicAdd(&counters.produced, single_pass_produced); }
     if single_pass_culled > 0u { atomicAdd(&counters.culled, single_pass_culled); }
     if single_pass_merged > 0u { atomicAdd(&counters.merged, single_pass_merged); }
-}
-
-fn single_pass_load(node: u32, word: u32) -> u32 {
-    if word == 0u { return atomicLoad(&fragments_0[node]); }
-    let part = single_pass_part;
-    if PARTS == 1u || node < part { return atomicLoad(&fragments_1[node * 2u + word - 1u]); }
-    return atomicLoad(&fragments_2[(node - part) * 2u + word - 1u]);
-}
-
-fn single_pass_write(node: u32, words: vec3u) {
-    let part = single_pass_part;
-    atomicStore(&fragments_0[node], words.x);
-    if PARTS == 1u || node < part {
-        atomicStore(&fragments_1[node * 2u], words.y);
-        atomicStore(&fragments_1[node * 2u + 1u], words.z);
-    } else {
-        atomicStore(&fragments_2[(node - part) * 2u], words.y);
-        atomicStore(&fragments_2[(node - part) * 2u + 1u], words.z);
-    }
 }
 
 // The link that leads to a node: of the pixel where `node` is 0, else of node - 1.
@@ -107,9 +86,9 @@ fn single_pass_tail_add(pixel: u32, sum: u32, steps: u32) {
     }
 }
 
-fn single_pass_merge(pixel: u32, key: u32, point: u32, word: u32, with_colour: bool) {
-    let steps = single_pass_steps(point, word, single_pass_tail_scale);
-    single_pass_tail_add(pixel, TAIL_DEPTH, single_pass_depth_steps(word));
+fn single_pass_merge(pixel: u32, key: u32, fragment: StoredFragment, with_colour: bool) {
+    let steps = single_pass_steps(fragment, single_pass_tail_scale);
+    single_pass_tail_add(pixel, TAIL_DEPTH, single_pass_depth_steps(fragment));
     if with_colour {
         for (var i = 0u; i < 4u; i++) { single_pass_tail_add(pixel, TAIL_WEIGHT + i, steps[i]); }
         // In case nothing else of the pixel is stored.
@@ -126,7 +105,7 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
         return;
     }
     let number = pixel_number(pixel);
-    let word = u32(sqrt(fragment.opacity) * 65535.0 + 0.5) | (u32(fragment.along * 65535.0 + 0.5) << 16u);
+    let word = word_pack(StoredFragment(key, fragment.point, fragment.opacity, fragment.along));
     var failures = 0u;
     var passed = 0u;
     var last = 0u;
@@ -138,13 +117,13 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
         var seen = next != 0u;
         var before = false;
         if seen && next != SINGLE_PASS_END {
-            let other = single_pass_load(next - 1u, 0u);
-            seen = other != 0u;
-            before = other < key + 1u;
-            if other == key + 1u {
-                let other_point = single_pass_load(next - 1u, 1u);
-                seen = other_point != 0u;
-                before = other_point < fragment.point + 1u;
+            let other = ~atomicLoad(&fragments_0[next - 1u]);
+            seen = other != 0xffffffffu;
+            before = other < word.x;
+            if other == word.x {
+                let other_lower = ~atomicLoad(&fragments_1[next - 1u]);
+                seen = other_lower != 0xffffffffu;
+                before = other_lower < word.y;
             }
         }
         if !seen {
@@ -165,7 +144,8 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
                 break;
             }
             own = node + 1u;
-            single_pass_write(node, vec3u(key + 1u, fragment.point + 1u, word));
+            atomicStore(&fragments_0[node], ~word.x);
+            atomicStore(&fragments_1[node], ~word.y);
         }
         atomicStore(&links[own - 1u], next);
         next = single_pass_exchange(number, last, next, own);
@@ -181,5 +161,5 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
         return;
     }
     single_pass_produced += 1u;
-    single_pass_merge(number, key, fragment.point, word, passed < K || REST == REST_MERGED);
+    single_pass_merge(number, key, word_unpack(word), passed < K || REST == REST_MERGED);
 }

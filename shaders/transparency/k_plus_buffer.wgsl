@@ -4,7 +4,7 @@
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
 // Lower and upper half of each word.
 @group(3) @binding(3) var<storage, read> fragments: array<vec2u>;
-@group(3) @binding(6) var<storage, read> overflow: array<u32>;
+@group(3) @binding(5) var<storage, read> overflow: array<u32>;
 
 // What lies behind this transmittance changes a pixel by less than 1/4096 of its own radiance.
 const K_PLUS_UNSEEN: f32 = 0.000244140625;
@@ -40,7 +40,7 @@ fn resolve(pixel: vec2u) -> Resolved {
     for (var i = 0u; i < K && transmittance > K_PLUS_UNSEEN; i++) {
         let word = fragments[number * K + i];
         if word.y == 0u { break; }
-        let fragment = k_plus_unpack(~word.yx);
+        let fragment = word_unpack(~word.yx);
         if i == 0u { result.key = fragment.key; }
         colour += transmittance * fragment.opacity * shaded_colour(fragment.point, fragment.along);
         transmittance *= 1.0 - fragment.opacity;
@@ -66,6 +66,6 @@ fn resolve(pixel: vec2u) -> Resolved {
 fn nearest(pixel: vec2u) -> Nearest {
     let resolved = resolve(pixel);
     if resolved.key == 0xffffffffu { return Nearest(0xffffffffu, 0xffffffffu, 0.0, 0.0); }
-    let fragment = k_plus_unpack(~fragments[pixel_number(pixel) * K].yx);
+    let fragment = word_unpack(~fragments[pixel_number(pixel) * K].yx);
     return Nearest(resolved.key, fragment.point, fragment.along, resolved.colour.w);
 }

@@ -3,7 +3,7 @@
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 // Σ -ln(1 - opacity) of all fragments of a pixel.
 @group(3) @binding(1) var<storage, read_write> fill: array<atomic<u32>>;
-@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
+@group(3) @binding(5) var<storage, read_write> overflow: array<atomic<u32>>;
 
 // STAGE: the pass in its lowest bit, then two bits of REST, then K.
 const K_PLUS_STORES: bool = (STAGE & 1u) != 0u;
@@ -38,7 +38,7 @@ fn emit_end() {
 }
 
 // Adds a fragment to the sums of its pixel, kept or not: the resolve takes off what was kept.
-fn k_plus_sum(number: u32, fragment: KPlusFragment) {
+fn k_plus_sum(number: u32, fragment: StoredFragment) {
     let steps = k_plus_steps(fragment);
     for (var i = 0u; i < 4u; i++) {
         let before = atomicAdd(&overflow[number * K_PLUS_SUMS + i], steps[i]);
@@ -56,7 +56,7 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
         return;
     }
     let number = pixel_number(pixel);
-    let word = k_plus_pack(KPlusFragment(key, fragment.point, fragment.opacity, fragment.along));
+    let word = word_pack(StoredFragment(key, fragment.point, fragment.opacity, fragment.along));
     if K_PLUS_STORES {
         k_plus_store(number * K, ~word);
         return;
@@ -68,6 +68,6 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
         // A wrapped sum is held above half of the range, where the transmittance is 0 all the same.
         if before + depth < before { atomicOr(&fill[number], 0x80000000u); }
     }
-    if REST == REST_MERGED { k_plus_sum(number, k_plus_unpack(word)); }
+    if REST == REST_MERGED { k_plus_sum(number, word_unpack(word)); }
     if k_plus_insert(number * K, ~word) { k_plus_stored += 1u; }
 }

@@ -3,7 +3,7 @@
 
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
 @group(3) @binding(3) var<storage, read> moments: array<u32>;
-@group(3) @binding(6) var<storage, read> overflow: array<u32>;
+@group(3) @binding(5) var<storage, read> overflow: array<u32>;
 
 struct Resolved {
     // Premultiplied.

@@ -5,7 +5,7 @@
 @group(3) @binding(2) var<storage, read_write> links: array<u32>;
 @group(3) @binding(3) var<storage, read_write> moments: array<u32>;
 // Σ a T, Σ a T c, their carries, and the distance of (point, place along the segment) from the largest; the lower wins.
-@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
+@group(3) @binding(5) var<storage, read_write> overflow: array<atomic<u32>>;
 
 var<private> moment_tail_scale: f32;
 

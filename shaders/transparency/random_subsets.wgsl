@@ -4,9 +4,8 @@
 // all the pixel's fragments.
 
 @group(3) @binding(1) var<storage, read> fill: array<u32>;
-@group(3) @binding(2) var<storage, read> links: array<u32>;
-@group(3) @binding(3) var<storage, read> subset_points: array<u32>;
-@group(3) @binding(6) var<storage, read> subset_values: array<u32>;
+@group(3) @binding(3) var<storage, read> fragments_0: array<u32>;
+@group(3) @binding(4) var<storage, read> fragments_1: array<u32>;
 
 struct Resolved {
     // Premultiplied.
@@ -15,9 +14,11 @@ struct Resolved {
     key: u32,
 }
 
-fn random_subsets_opacity(value: u32) -> f32 {
-    let root = f32(value >> 16u) / 65535.0;
-    return root * root;
+const RANDOM_SUBSETS_NONE: u32 = 0xffffffffu;
+
+// The word of a place; all ones where its subset is empty.
+fn random_subsets_word(place: u32) -> vec2u {
+    return ~vec2u(fragments_0[place], fragments_1[place]);
 }
 
 // The opacity of all of a pixel's fragments, or what its subsets have.
@@ -28,26 +29,24 @@ fn random_subsets_alpha(number: u32, kept: f32) -> f32 {
 
 fn resolve(pixel: vec2u) -> Resolved {
     pixels_begin();
+    word_begin();
     shaded_begin(pixel);
     let number = pixel_number(pixel);
     let first = number * SUBSETS;
-    // The places of the subsets that are not empty, in order of (depth, segment): insertion, since they are few.
-    var places: array<u32, SUBSETS>;
+    // The words of the subsets that are not empty, in order of (depth, segment): insertion, since they are few.
+    var words: array<vec2u, SUBSETS>;
     var count = 0u;
     for (var subset = 0u; subset < SUBSETS; subset++) {
-        let place = first + subset;
-        let key = links[place];
-        if key == 0u { continue; }
-        let point = subset_points[place];
+        let word = random_subsets_word(first + subset);
+        if word.x == RANDOM_SUBSETS_NONE { continue; }
         var at = count;
         while at > 0u {
-            let other = places[at - 1u];
-            // Words are distances from the largest: the larger is nearer.
-            if links[other] > key || (links[other] == key && subset_points[other] > point) { break; }
-            places[at] = other;
+            let other = words[at - 1u];
+            if word_before(other, word) { break; }
+            words[at] = other;
             at -= 1u;
         }
-        places[at] = place;
+        words[at] = word;
         count += 1u;
     }
     var result = Resolved(vec4f(0.0), 0xffffffffu);
@@ -57,39 +56,32 @@ fn resolve(pixel: vec2u) -> Resolved {
     // 1 - transmittance, which would cancel where opacities are tiny.
     var kept = 0.0;
     for (var i = 0u; i < count; i++) {
-        let place = places[i];
-        let value = subset_values[place];
-        let opacity = random_subsets_opacity(value);
-        let along = f32(value & 0xffffu) / 65535.0;
-        colour += transmittance * opacity * shaded_colour(0xffffffffu - subset_points[place], along);
-        kept += transmittance * opacity;
-        transmittance *= 1.0 - opacity;
+        let fragment = word_unpack(words[i]);
+        colour += transmittance * fragment.opacity * shaded_colour(fragment.point, fragment.along);
+        kept += transmittance * fragment.opacity;
+        transmittance *= 1.0 - fragment.opacity;
     }
     let alpha = random_subsets_alpha(number, kept);
     if kept > 0.0 { colour *= alpha / kept; }
     result.colour = vec4f(colour, alpha);
-    result.key = 0xffffffffu - links[places[0]];
+    result.key = word_key(words[0].x);
     return result;
 }
 
 fn nearest(pixel: vec2u) -> Nearest {
     pixels_begin();
+    word_begin();
     let number = pixel_number(pixel);
     let first = number * SUBSETS;
-    var key = 0u;
-    var point = 0u;
-    var value = 0u;
+    var foremost = vec2u(RANDOM_SUBSETS_NONE);
     var transmittance = 1.0;
     for (var place = first; place < first + SUBSETS; place++) {
-        if links[place] == 0u { continue; }
-        transmittance *= 1.0 - random_subsets_opacity(subset_values[place]);
-        if links[place] > key || (links[place] == key && subset_points[place] > point) {
-            key = links[place];
-            point = subset_points[place];
-            value = subset_values[place];
-        }
+        let word = random_subsets_word(place);
+        if word.x == RANDOM_SUBSETS_NONE { continue; }
+        transmittance *= 1.0 - word_value(word.y).x;
+        if word_before(word, foremost) { foremost = word; }
     }
-    if key == 0u { return Nearest(0xffffffffu, 0xffffffffu, 0.0, 0.0); }
-    let alpha = random_subsets_alpha(number, 1.0 - transmittance);
-    return Nearest(0xffffffffu - key, 0xffffffffu - point, f32(value & 0xffffu) / 65535.0, alpha);
+    if foremost.x == RANDOM_SUBSETS_NONE { return Nearest(0xffffffffu, 0xffffffffu, 0.0, 0.0); }
+    let fragment = word_unpack(foremost);
+    return Nearest(fragment.key, fragment.point, fragment.along, random_subsets_alpha(number, 1.0 - transmittance));
 }

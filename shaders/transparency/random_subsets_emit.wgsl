@@ -1,16 +1,13 @@
 // Random subsets (Hunz 2016, §5.4), as the rasterisers fill them. The strands are parted into k subsets by a hash; each is
-// drawn as if it were opaque: a pixel keeps the nearest fragment of every subset. Stage NEAREST finds its depth, stage
-// WINNER its segment, opacity and place on the segment. Where two fragments of a subset lie at one depth it shows the colour
-// of the first segment and the larger opacity, so that nothing depends on the order in which they come.
+// drawn as if it were opaque: a pixel keeps the nearest fragment of every subset. Stage NEAREST finds the upper half of its word,
+// stage WINNER the lower one, so that nothing depends on the order in which fragments come.
 
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
 // Σ -ln(1 - opacity) of all of a pixel's fragments.
 @group(3) @binding(1) var<storage, read_write> fill: array<atomic<u32>>;
-// A word for each pixel's each subset: distance of its nearest key from the largest, distance of the first segment from the
-// largest, and opacity with place. Cleared words are the farthest.
-@group(3) @binding(2) var<storage, read_write> links: array<atomic<u32>>;
-@group(3) @binding(3) var<storage, read_write> subset_points: array<atomic<u32>>;
-@group(3) @binding(6) var<storage, read_write> subset_values: array<atomic<u32>>;
+// The upper and the lower halves of a word for each pixel's each subset, inverted: cleared words are the farthest.
+@group(3) @binding(3) var<storage, read_write> fragments_0: array<atomic<u32>>;
+@group(3) @binding(4) var<storage, read_write> fragments_1: array<atomic<u32>>;
 
 const STAGE_NEAREST: u32 = 0u;
 const STAGE_WINNER: u32 = 1u;
@@ -22,6 +19,7 @@ var<private> random_subsets_sums: bool;
 
 fn emit_begin() -> bool {
     emit_common_begin();
+    word_begin();
     random_subsets_produced = 0u;
     random_subsets_culled = 0u;
     random_subsets_count = u32(frame.technique.x);
@@ -43,19 +41,18 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
     }
     let number = pixel_number(pixel);
     let subset = (shaded_hash(fragment.point) * random_subsets_count) >> 16u;
-    let word = number * random_subsets_count + subset;
+    let place = number * random_subsets_count + subset;
+    let word = ~word_pack(StoredFragment(key, fragment.point, fragment.opacity, fragment.along));
     if STAGE == STAGE_NEAREST {
         random_subsets_produced += 1u;
-        atomicMax(&links[word], 0xffffffffu - key);
+        atomicMax(&fragments_0[place], word.x);
         if random_subsets_sums {
             let depth = u32(optical_depth(fragment.opacity) * OPTICAL_DEPTH_SCALE + 0.5);
             let before = atomicAdd(&fill[number], depth);
             // A wrapped sum is held above half of the range, where the transmittance is 0 all the same.
             if before + depth < before { atomicOr(&fill[number], 0x80000000u); }
         }
-    } else if atomicLoad(&links[word]) == 0xffffffffu - key {
-        let value = (u32(sqrt(fragment.opacity) * 65535.0 + 0.5) << 16u) | u32(fragment.along * 65535.0 + 0.5);
-        atomicMax(&subset_points[word], 0xffffffffu - fragment.point);
-        atomicMax(&subset_values[word], value);
+    } else if atomicLoad(&fragments_0[place]) == word.x {
+        atomicMax(&fragments_1[place], word.y);
     }
 }

@@ -1,7 +1,7 @@
 // The colour of a fragment, as every transparency technique asks for it. Here: radiance of shaded strand points, interpolated
 // along the segment. `shading/fragments` is the other file with these functions.
 
-@group(3) @binding(7) var<storage, read> shaded: array<vec2u>;
+@group(3) @binding(6) var<storage, read> shaded: array<vec2u>;
 
 fn shaded_point(point: u32) -> vec3f {
     let words = shaded[point];

@@ -1,7 +1,7 @@
 // A pixel's tail: fragments that were merged, by exact transmittance and weighted colour. `tail_sums` or `tail_samples` finds
 // the colour.
 
-@group(3) @binding(6) var<storage, read> overflow: array<u32>;
+@group(3) @binding(5) var<storage, read> overflow: array<u32>;
 
 // One of the sums of a pixel's tail, with its carries.
 fn tail_sum(words: u32, sum: u32) -> f32 {

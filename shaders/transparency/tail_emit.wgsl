@@ -1,6 +1,6 @@
 // Merging fragments into their pixel's tail. `tail_sums_emit` or `tail_samples_emit` keeps what the colour is found by.
 
-@group(3) @binding(6) var<storage, read_write> overflow: array<atomic<u32>>;
+@group(3) @binding(5) var<storage, read_write> overflow: array<atomic<u32>>;
 
 // Adds to one sum of a pixel's tail; its carries are counted beside it.
 fn tail_add(number: u32, sum: u32, value: f32) {

@@ -1,7 +1,7 @@
 // Weighted blended transparency: a pixel's colour is the mean of its fragments', weighed by opacity and depth; its opacity is
 // exact, 1 - Π (1 - opacity).
 
-@group(3) @binding(6) var<storage, read> sums: array<u32>;
+@group(3) @binding(5) var<storage, read> sums: array<u32>;
 
 struct Resolved {
     // Premultiplied.

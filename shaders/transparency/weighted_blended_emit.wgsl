@@ -3,7 +3,7 @@
 // depth that falls towards the far end of the hair, as the light does that reaches the eye.
 
 @group(3) @binding(0) var<storage, read_write> counters: Counters;
-@group(3) @binding(6) var<storage, read_write> sums: array<atomic<u32>>;
+@group(3) @binding(5) var<storage, read_write> sums: array<atomic<u32>>;
 
 const WEIGHTED_BLENDED_UNIFORM: f32 = 0.0;
 const WEIGHTED_BLENDED_CUBIC: f32 = 1.0;

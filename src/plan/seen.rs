@@ -1,5 +1,7 @@
 //! How the hair lies in a view: its size on the screen, and its depths.
 
+use std::ops::RangeInclusive;
+
 use glam::{DMat4, DVec3};
 
 use super::{PIXELS_AN_INVOCATION, Placed};
@@ -211,21 +213,25 @@ pub(super) fn key_range(
     ]
 }
 
-/// The frame's `key_packing`: keys are shifted by as many bits as a word of 64 lacks for them beside a point and its value; and
-/// by how many where the DBK-buffer's bins are placed.
-pub(super) fn key_packing([first, last]: [u32; 2], point_count: u64) -> u32 {
-    /// Opacity and place along the segment, `K_PLUS_VALUE_BITS` in WGSL; and the least bits of a point.
-    const VALUE_BITS: u32 = 19;
+/// The frame's `word_bits`: how a fragment's word of 64 bits is parted among its depth key, its point and its value; and by how many
+/// bits keys are shifted where the DBK-buffer's bins are placed.
+pub(super) fn word_bits([first, last]: [u32; 2], point_count: u64) -> u32 {
+    /// Opacity, of 11 to 16 bits, and place along the segment, of `WORD_ALONG_BITS` in WGSL.
+    const VALUE_BITS: RangeInclusive<u32> = 19..=24;
+    /// What the halves of a word leave a point at least, so that a key is all in the upper one.
     const LEAST_POINT_BITS: u32 = 13;
     /// Of a bin's place, `DBK_FIRST_MAX` in WGSL.
     const BIN_BITS: u32 = 17;
     let bits = |value: u64| u64::BITS - value.leading_zeros();
     let point_bits = bits(point_count).max(LEAST_POINT_BITS);
-    let key_bits = 64 - VALUE_BITS - point_bits;
-    // The greatest key is left out: all ones is an empty word.
+    // The greatest key is left out: no half is ever all ones.
     let all_bits = bits(u64::from(last - first) + 2);
-    let shift = all_bits.saturating_sub(key_bits);
-    shift | point_bits << 8 | all_bits.saturating_sub(BIN_BITS) << 16
+    let left = (64 - point_bits).saturating_sub(all_bits);
+    let value_bits = left.clamp(*VALUE_BITS.start(), *VALUE_BITS.end());
+    let shift = all_bits.saturating_sub(64 - value_bits - point_bits);
+    let upper_point_bits = point_bits - (32 - value_bits);
+    let bin_shift = all_bits.saturating_sub(BIN_BITS);
+    shift | upper_point_bits << 8 | value_bits << 16 | bin_shift << 24
 }
 
 #[cfg(test)]

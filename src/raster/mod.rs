@@ -88,10 +88,10 @@ impl Emission {
     /// What tells its pipelines apart.
     fn variant(&self, plan: &Plan) -> u32 {
         let unshaded = plan.shader.rate == ShadingRate::Fragment && self.has_tail();
-        self.stage << 3 | u32::from(unshaded) << 2 | plan.parts
+        self.stage << 1 | u32::from(unshaded)
     }
 
-    pub(crate) fn module(&self, rasteriser: &'static str, parts: u32, rate: ShadingRate) -> Module {
+    pub(crate) fn module(&self, rasteriser: &'static str, rate: ShadingRate) -> Module {
         let unshaded = rate == ShadingRate::Fragment && self.has_tail();
         let file = |file: &&'static str| match *file {
             "transparency/shaded" if unshaded => None,
@@ -106,7 +106,6 @@ impl Emission {
             "common/spread",
         ])
         .with("STAGE", Constant::U32(self.stage))
-        .with("PARTS", Constant::U32(parts))
         .with("TOUCH_ONLY", Constant::Bool(self.touch_only))
         .with("FOOTPRINT", Constant::U32(self.footprint as u32))
         .and(&files)

@@ -24,7 +24,7 @@ pub(super) fn record(
         ..PipelineKey::new(emission.label)
     };
     let pipeline = gpu.render(key, || RenderSpec {
-        module: emission.module("raster/ribbons", plan.parts, plan.shader.rate),
+        module: emission.module("raster/ribbons", plan.shader.rate),
         vertex: "ribbon_vertex",
         fragment: "ribbon_fragment",
         groups: match emission.group {

@@ -21,7 +21,7 @@ pub(super) fn record(
     };
     let groups = [Group::Frame, Group::Segments, emission.group];
     let pipeline = gpu.compute(key, "walk", &groups, || {
-        emission.module("raster/walk", plan.parts, plan.shader.rate)
+        emission.module("raster/walk", plan.shader.rate)
     })?;
     passes.compute(emission.label, |pass| {
         pass.set_pipeline(&pipeline);

@@ -20,6 +20,7 @@ const COUNT: Emission = Emission {
         "transparency/shaded",
         "transparency/tail_sums_emit",
         "transparency/tail_emit",
+        "transparency/fragment_word",
         "transparency/a_buffer_store",
         "transparency/a_buffer_emit",
     ],
@@ -68,12 +69,12 @@ pub(crate) const UNSEEN: f32 = 1.0 / 4096.0;
 /// Rounds of the search for a pixel's share; each parts the depth range by four: 4⁵ = 1,024 depths a pixel.
 const SEARCH_ROUNDS: u32 = 5;
 
-/// Bytes of one stored fragment in counted arrays: key, point, and opacity with place.
-pub const FRAGMENT_BYTES: u64 = 12;
-/// Bytes of it that are its key, in a binding of their own.
-pub(crate) const KEY_BYTES: u64 = 4;
+/// Bytes of one stored fragment in counted arrays: depth key, point, opacity and place in one word of 64 bits.
+pub const FRAGMENT_BYTES: u64 = 8;
+/// Bytes of half of it, the upper or the lower one, which lie in bindings of their own.
+pub(crate) const HALF_BYTES: u64 = 4;
 /// Bytes of one node of a linked list: a fragment and the next node.
-pub const NODE_BYTES: u64 = 16;
+pub const NODE_BYTES: u64 = 12;
 
 /// How the A-buffer keeps a pixel's fragments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
@@ -116,16 +117,6 @@ impl ABuffer {
             },
         }
     }
-}
-
-/// Bytes of each of the pool's buffers for so many fragments: their keys, and the rest of them in two parts of `part` fragments.
-pub(crate) fn pool_bytes(fragments: u64, part: u64) -> [u64; 3] {
-    let rest = FRAGMENT_BYTES - KEY_BYTES;
-    [
-        fragments * KEY_BYTES,
-        fragments.min(part) * rest,
-        fragments.saturating_sub(part).min(part) * rest,
-    ]
 }
 
 /// Refuses a pool that holds no fragment.
@@ -366,6 +357,7 @@ pub(crate) fn resolve_module(common: Module, storage: Storage, shader: Option<&S
             tail(shader),
             "transparency/tail",
             "transparency/a_buffer_whole",
+            "transparency/fragment_word",
             "transparency/a_buffer_read",
             "transparency/a_buffer_sorted",
             "transparency/a_buffer",

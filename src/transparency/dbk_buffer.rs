@@ -36,6 +36,7 @@ const BINS: Emission = Emission {
         "transparency/tail_sums_emit",
         "transparency/dbk_buffer_common",
         "transparency/tail_emit",
+        "transparency/fragment_word",
         "transparency/a_buffer_store",
         "transparency/dbk_buffer_emit",
     ],
@@ -464,6 +465,7 @@ pub(crate) fn resolve_module(
         .and(&["transparency/overflow", tail(shader), "transparency/tail"])
         .and(beyond)
         .and(&[
+            "transparency/fragment_word",
             "transparency/a_buffer_read",
             "transparency/a_buffer_sorted",
             "transparency/a_buffer",

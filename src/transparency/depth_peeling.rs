@@ -10,8 +10,8 @@ use crate::resources::Bound;
 use crate::shader::Module;
 use crate::transparency::{Fragments, Needs, nearest};
 
-const FIRST_KEY: Emission = Emission {
-    label: "pelage.transparency.depth_peeling.first_key",
+const FIRST_UPPER: Emission = Emission {
+    label: "pelage.transparency.depth_peeling.first_upper",
     stage: 0,
     files: &[
         "common/pixels",
@@ -20,6 +20,7 @@ const FIRST_KEY: Emission = Emission {
         "transparency/shaded",
         "transparency/tail_sums_emit",
         "transparency/tail_emit",
+        "transparency/fragment_word",
         "transparency/depth_peeling_state",
         "transparency/depth_peeling_emit",
     ],
@@ -27,32 +28,32 @@ const FIRST_KEY: Emission = Emission {
     touch_only: false,
     footprint: Footprint::Square,
 };
-const KEY: Emission = Emission {
-    label: "pelage.transparency.depth_peeling.key",
+const UPPER: Emission = Emission {
+    label: "pelage.transparency.depth_peeling.upper",
     stage: 1,
-    ..FIRST_KEY
+    ..FIRST_UPPER
 };
-const POINT: Emission = Emission {
-    label: "pelage.transparency.depth_peeling.point",
+const LOWER: Emission = Emission {
+    label: "pelage.transparency.depth_peeling.lower",
     stage: 2,
-    ..FIRST_KEY
+    ..FIRST_UPPER
 };
 const TAIL: Emission = Emission {
     label: "pelage.transparency.depth_peeling.tail",
     stage: 3,
-    ..FIRST_KEY
+    ..FIRST_UPPER
 };
 
 /// All stages.
-pub(crate) const EMISSIONS: [Emission; 4] = [FIRST_KEY, KEY, POINT, TAIL];
+pub(crate) const EMISSIONS: [Emission; 4] = [FIRST_UPPER, UPPER, LOWER, TAIL];
 
 /// Words of what is kept of a pixel; `PEEL_WORDS` in WGSL.
-const WORDS: u64 = 7;
+const WORDS: u64 = 6;
 
 /// The most peels: each is two passes over the hair.
 pub const MAX_PEELS: u32 = 1024;
 
-/// Settings of depth peeling. 56 bytes a pixel.
+/// Settings of depth peeling. 52 bytes a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DepthPeeling {
     /// Fragments of a pixel that are composited in their order, from 1 to [`MAX_PEELS`]; what lies behind them is merged,
@@ -109,9 +110,9 @@ pub(crate) fn record(
         bound.clear_counters(encoder);
     });
     for peel in 0..peels {
-        let key = if peel == 0 { &FIRST_KEY } else { &KEY };
-        raster::record(gpu, passes, bound, key, draw, plan)?;
-        raster::record(gpu, passes, bound, &POINT, draw, plan)?;
+        let upper = if peel == 0 { &FIRST_UPPER } else { &UPPER };
+        raster::record(gpu, passes, bound, upper, draw, plan)?;
+        raster::record(gpu, passes, bound, &LOWER, draw, plan)?;
         advance(gpu, passes, bound, band, plan)?;
     }
     raster::record(gpu, passes, bound, &TAIL, draw, plan)?;
@@ -120,7 +121,7 @@ pub(crate) fn record(
     Ok(())
 }
 
-/// Composites each pixel's last peel, and begins the next one from what was found.
+/// Composites what each pixel's peel has found.
 fn advance(
     gpu: &mut Gpu,
     passes: &mut Passes,
@@ -157,11 +158,12 @@ fn advance(
     Ok(())
 }
 
-/// The pass over the pixels between two peels.
+/// The pass over the pixels after a peel.
 pub(crate) fn advance_module() -> Module {
     Module::new(&[
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/fragment_word",
         "transparency/depth_peeling_state",
         "transparency/depth_peeling_advance",
     ])

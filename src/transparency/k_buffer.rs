@@ -139,6 +139,7 @@ pub(crate) fn resolve_module(
             tail(shader),
             "transparency/tail",
             "transparency/a_buffer_whole",
+            "transparency/fragment_word",
             "transparency/a_buffer_read",
             "transparency/k_buffer",
         ])

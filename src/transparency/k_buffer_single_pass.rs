@@ -20,6 +20,7 @@ const INSERT: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/fragment_word",
         "transparency/k_buffer_single_pass_word",
         "transparency/k_buffer_single_pass_emit",
     ],
@@ -120,7 +121,6 @@ pub(crate) fn record(
 ) -> Result<()> {
     let needs = settings.needs(u64::from(plan.width) * u64::from(band.rows));
     let capacity = u64::from(plan.frame_uniform.capacity);
-    let part = u64::from(plan.frame_uniform.part_capacity);
     passes.encode(
         "pelage.transparency.k_buffer_single_pass.clear",
         |encoder| {
@@ -132,9 +132,8 @@ pub(crate) fn record(
             clear(&bound.pixels.fill.buffer, needs.fill);
             clear(&bound.pixels.overflow.buffer, needs.overflow);
             clear(&bound.pixels.links.buffer, capacity * 4);
-            let bytes = a_buffer::pool_bytes(capacity, part);
-            for (fragments, bytes) in bound.pixels.fragments.iter().zip(bytes) {
-                clear(&fragments.buffer, bytes);
+            for half in &bound.pixels.fragments {
+                clear(&half.buffer, capacity * a_buffer::HALF_BYTES);
             }
             bound.clear_counters(encoder);
         },
@@ -149,6 +148,7 @@ pub(crate) fn resolve_module(common: Module, settings: &KBufferSinglePass) -> Mo
     common
         .and(&[
             "transparency/overflow",
+            "transparency/fragment_word",
             "transparency/k_buffer_single_pass_word",
             "transparency/k_buffer_single_pass",
         ])

@@ -17,6 +17,7 @@ const INSERT_64: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/fragment_word",
         "transparency/k_plus_buffer_word",
         "transparency/k_plus_buffer_emit",
         "transparency/k_plus_buffer_emit_64",
@@ -32,6 +33,7 @@ const INSERT_32: Emission = Emission {
         "transparency/emit_common",
         "transparency/overflow",
         "transparency/shaded",
+        "transparency/fragment_word",
         "transparency/k_plus_buffer_word",
         "transparency/k_plus_buffer_emit",
         "transparency/k_plus_buffer_emit_32",
@@ -176,6 +178,7 @@ pub(crate) fn resolve_module(common: Module, settings: &KPlusBuffer) -> Module {
     common
         .and(&[
             "transparency/overflow",
+            "transparency/fragment_word",
             "transparency/k_plus_buffer_word",
             "transparency/k_plus_buffer",
         ])

@@ -30,7 +30,7 @@ use crate::gpu::{Gpu, Group, Passes};
 use crate::plan::{Band, Plan};
 use crate::raster::{Draw, Raster};
 use crate::resources::Bound;
-use crate::shader::{Constant, Module};
+use crate::shader::Module;
 use crate::shading::Shader;
 
 /// A transparency technique with its settings.
@@ -143,8 +143,10 @@ pub(crate) struct Needs {
 /// What a technique asks of the fragments' buffers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fragments {
-    /// So many bytes, in the first part alone.
+    /// So many bytes, in the first buffer alone.
     Fixed(u64),
+    /// So many bytes in each of the two.
+    Halves(u64),
     /// A pool of fragments of [`a_buffer::FRAGMENT_BYTES`], as large as they are expected to need.
     Pool {
         /// A word of links for each fragment.
@@ -274,7 +276,7 @@ impl Needs {
         const MANY: u64 = 1 << 20;
         let needs = of(MANY);
         let fixed = match needs.fragments {
-            Fragments::Fixed(bytes) => bytes,
+            Fragments::Fixed(bytes) | Fragments::Halves(bytes) => bytes,
             Fragments::Pool { .. } => 0,
         };
         let largest = needs.fill.max(needs.links).max(needs.overflow).max(fixed);
@@ -391,19 +393,13 @@ pub(crate) fn tail(shader: Option<&Shader>) -> &'static str {
 }
 
 /// The files that supply `resolve(pixel)`; with a shader, fragments are shaded there.
-pub(crate) fn resolve_module(
-    transparency: &Transparency,
-    parts: u32,
-    shader: Option<&Shader>,
-) -> Module {
-    let pixels = Module::new(&["common/pixels"]).with("PARTS", Constant::U32(parts));
+pub(crate) fn resolve_module(transparency: &Transparency, shader: Option<&Shader>) -> Module {
+    let pixels = Module::new(&["common/pixels"]);
     let shaded = match shader {
         None => Module::new(&["transparency/shaded"]),
         Some(shader) => shader.fragments_module(),
     };
-    let common = shaded
-        .and(&["common/pixels"])
-        .with("PARTS", Constant::U32(parts));
+    let common = shaded.and(&["common/pixels"]);
     match transparency {
         Transparency::Opaque(_) => common.and(&["transparency/opaque"]),
         Transparency::ABuffer(settings) => {

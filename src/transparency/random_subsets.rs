@@ -1,8 +1,7 @@
 //! Random subsets of the strands, each drawn as if it were opaque, and composited in order (Hunz §5.4).
 //!
 //! Hunz's figures (his §6.3.3), k = 8 at 656×861: RGBA16 tangents take 34.47 MiB; with his 16-bit depth buffers it is 43.09. Here
-//! a subset of a pixel is 12 bytes: depth (32 bits, not 16), segment, opacity with place; 51.71 MiB, and 2.15 for
-//! `exact_alpha`.
+//! a subset of a pixel is a fragment's word of 8 bytes, with its depth: 34.47 MiB, and 2.15 for `exact_alpha`.
 
 use crate::error::{Result, invalid};
 use crate::gpu::{Gpu, Group, Passes};
@@ -19,6 +18,7 @@ const NEAREST: Emission = Emission {
         "common/pixels",
         "transparency/emit_common",
         "transparency/shaded",
+        "transparency/fragment_word",
         "transparency/random_subsets_emit",
     ],
     group: Group::PixelsWritten,
@@ -37,7 +37,7 @@ pub(crate) const EMISSIONS: [Emission; 2] = [NEAREST, WINNER];
 /// The most subsets.
 pub const MAX_SUBSETS: u32 = 32;
 
-/// Settings of random subsets. 12 bytes a pixel and subset, and 4 a pixel for the exact opacity.
+/// Settings of random subsets. 8 bytes a pixel and subset, and 4 a pixel for the exact opacity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RandomSubsets {
     /// Subsets, from 1 to [`MAX_SUBSETS`].
@@ -84,12 +84,11 @@ impl RandomSubsets {
     }
 
     pub(crate) fn needs(&self, pixels: u64) -> Needs {
-        let words = pixels * 4 * u64::from(self.subsets);
         Needs {
             fill: if self.exact_alpha { pixels * 4 } else { 0 },
-            links: words,
-            overflow: words,
-            fragments: Fragments::Fixed(words),
+            links: 0,
+            overflow: 0,
+            fragments: Fragments::Halves(pixels * 4 * u64::from(self.subsets)),
         }
     }
 }
@@ -104,13 +103,16 @@ pub(crate) fn record(
     settings: &RandomSubsets,
 ) -> Result<()> {
     let needs = settings.needs(u64::from(plan.width) * u64::from(band.rows));
+    let Fragments::Halves(halves) = needs.fragments else {
+        return Ok(());
+    };
     passes.encode("pelage.transparency.random_subsets.clear", |encoder| {
         let pixels = bound.pixels;
         if settings.exact_alpha {
             encoder.clear_buffer(&pixels.fill.buffer, 0, Some(needs.fill));
         }
-        for buffer in [&pixels.links, &pixels.fragments[0], &pixels.overflow] {
-            encoder.clear_buffer(&buffer.buffer, 0, Some(needs.links));
+        for half in &pixels.fragments {
+            encoder.clear_buffer(&half.buffer, 0, Some(halves));
         }
         bound.clear_counters(encoder);
     });
@@ -123,6 +125,6 @@ pub(crate) fn record(
 /// The files that supply `resolve(pixel)`.
 pub(crate) fn resolve_module(common: Module, settings: &RandomSubsets) -> Module {
     common
-        .and(&["transparency/random_subsets"])
+        .and(&["transparency/fragment_word", "transparency/random_subsets"])
         .with("SUBSETS", Constant::U32(settings.subsets))
 }

@@ -3,6 +3,7 @@
 use pelage::glam::Vec3;
 use pelage::groom::{BuiltinGroom, Strands, builtin};
 use pelage::raster::Raster;
+use pelage::transparency::a_buffer::FRAGMENT_BYTES;
 use pelage::transparency::{ABuffer, Culling, DbkBuffer, Transparency};
 use pelage::{Frame, Hair, Light, Target, wgpu};
 use pelage_reference::composite::{self, Image};
@@ -239,14 +240,14 @@ fn a_small_pool_merges_what_it_cannot_hold() {
     let whole = frame(&hairs, &lights, whole);
     let (expected, statistics) = render(&mut device, &whole, SIZE);
     for part in [0.01, 0.1, 0.5] {
-        let bytes = (statistics.fragments.stored as f64 * part) as u64 * 12;
+        let bytes = (statistics.fragments.stored as f64 * part) as u64 * FRAGMENT_BYTES;
         let small = Transparency::DbkBuffer(DbkBuffer {
             pool_bytes: Some(bytes),
             ..DbkBuffer::default()
         });
         let (actual, small) = render(&mut device, &frame(&hairs, &lights, small), SIZE);
         let fragments = small.fragments;
-        assert!(fragments.merged > 0 && fragments.stored * 12 <= bytes);
+        assert!(fragments.merged > 0 && fragments.stored * FRAGMENT_BYTES <= bytes);
         assert_eq!(
             fragments.stored + fragments.merged + fragments.culled,
             fragments.produced

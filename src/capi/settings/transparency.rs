@@ -196,7 +196,7 @@ impl Default for PelageWeightedBlended {
 
 descriptor!(PelageWeightedBlended, "PELAGE_WEIGHTED_BLENDED_INIT", raster: u32);
 
-/// Settings of depth peeling. 56 bytes a pixel.
+/// Settings of depth peeling. 52 bytes a pixel.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct PelageDepthPeeling {
@@ -220,7 +220,7 @@ impl Default for PelageDepthPeeling {
 
 descriptor!(PelageDepthPeeling, "PELAGE_DEPTH_PEELING_INIT", raster: u32);
 
-/// Settings of random subsets. 12 bytes a pixel and subset, and 4 a pixel for the exact opacity.
+/// Settings of random subsets. 8 bytes a pixel and subset, and 4 a pixel for the exact opacity.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct PelageRandomSubsets {

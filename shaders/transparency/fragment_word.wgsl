@@ -1,0 +1,73 @@
+// A stored fragment in two words, upper and lower half of one number of 64 bits. From its top: the depth key, less the frame's
+// first one and shifted by what does not fit; the point; the root of the opacity; the place along the segment. So a pixel's
+// fragments are in order of (depth, point) where their words are. How many bits each of them has is the frame's: few points and
+// little depth leave more for the opacity, from 11 up to 16.
+//
+// Neither half is ever all ones: no key is, and no place along a segment.
+
+const WORD_ALONG_BITS: u32 = 8u;
+const WORD_ALONG_MASK: u32 = 255u;
+const WORD_ALONG_MOST: f32 = 254.0;
+
+struct StoredFragment {
+    key: u32,
+    point: u32,
+    opacity: f32,
+    along: f32,
+}
+
+// Read once an invocation: some drivers would read a uniform anew at every pixel.
+var<private> word_first_key: u32;
+var<private> word_key_shift: u32;
+// Bits of the point in the upper half, and bits below it in the lower.
+var<private> word_point_bits: u32;
+var<private> word_value_bits: u32;
+
+fn word_begin() {
+    word_first_key = frame.key_first;
+    let bits = (vec3u(frame.word_bits) >> vec3u(0u, 8u, 16u)) & vec3u(255u);
+    word_key_shift = bits.x;
+    word_point_bits = bits.y;
+    word_value_bits = bits.z;
+}
+
+fn word_opacity_most() -> u32 {
+    return (1u << (word_value_bits - WORD_ALONG_BITS)) - 1u;
+}
+
+fn word_pack(fragment: StoredFragment) -> vec2u {
+    // A key outside the frame's range is that of its end.
+    let key = (max(fragment.key, word_first_key) - word_first_key) >> word_key_shift;
+    let most = (0xffffffffu >> word_point_bits) - 1u;
+    // The root keeps thin fibres' small opacities apart.
+    let root = u32(sqrt(fragment.opacity) * f32(word_opacity_most()) + 0.5);
+    let along = u32(fragment.along * WORD_ALONG_MOST + 0.5);
+    return vec2u(
+        (min(key, most) << word_point_bits) | (fragment.point >> (32u - word_value_bits)),
+        (fragment.point << word_value_bits) | (root << WORD_ALONG_BITS) | along,
+    );
+}
+
+fn word_key(upper: u32) -> u32 {
+    return ((upper >> word_point_bits) << word_key_shift) + word_first_key;
+}
+
+fn word_point(word: vec2u) -> u32 {
+    return ((word.x & ((1u << word_point_bits) - 1u)) << (32u - word_value_bits)) | (word.y >> word_value_bits);
+}
+
+// Opacity and place along the segment.
+fn word_value(lower: u32) -> vec2f {
+    let root = f32((lower >> WORD_ALONG_BITS) & word_opacity_most()) / f32(word_opacity_most());
+    return vec2f(root * root, f32(lower & WORD_ALONG_MASK) / WORD_ALONG_MOST);
+}
+
+fn word_unpack(word: vec2u) -> StoredFragment {
+    let value = word_value(word.y);
+    return StoredFragment(word_key(word.x), word_point(word), value.x, value.y);
+}
+
+// Whether one fragment comes before another.
+fn word_before(a: vec2u, b: vec2u) -> bool {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
