@@ -29,7 +29,7 @@ use crate::transparency::sorted_blending::Sorting;
 use crate::transparency::{Needs, Transparency};
 use crate::view::View;
 use choices::{choose_shadow, choose_transparency, one_shader};
-use seen::{Seen, key_range, place_of_depth, view_size, word_bits};
+use seen::{Seen, Word, key_range, place_of_depth, view_size};
 
 /// A run of a hair, and where its points lie among the frame's pooled points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -343,7 +343,9 @@ impl Plan {
             eye
         };
         let seen = view_size(&clip_from_relative, &placed, frame, width, height);
-        let keys = key_range(&clip_from_relative, &placed, frame.view.reverse_z);
+        let reverse_z = frame.view.reverse_z;
+        let keys = key_range(&clip_from_relative, &placed, reverse_z);
+        let word = Word::new(keys, reverse_z, point_count);
 
         let mut flags = 0;
         if frame.view.reverse_z {
@@ -356,6 +358,18 @@ impl Plan {
         };
         if sought.depth {
             flags |= layout::FRAME_NEAREST;
+        }
+
+        let mut cuts = false;
+        let mut expected_fragments = seen.fragments;
+        if let Transparency::DbkBuffer(settings) = transparency {
+            let segments = runs.iter().map(|run| u64::from(run.run.segments)).sum();
+            let cut_depth = f64::from(settings.cut_depth());
+            let pays = seen.culling_pays(cut_depth, segments);
+            cuts = settings.cuts(seen.fragments, most_fragments(gpu), pays);
+            if cuts && settings.depth_shift.is_none() {
+                expected_fragments = seen.kept(cut_depth);
+            }
         }
 
         let largest = runs.iter().map(|run| run.run.count).max().unwrap_or(0);
@@ -382,7 +396,7 @@ impl Plan {
             splits: seen.splits(),
             point_count,
             map_words: 0,
-            expected_fragments: seen.fragments as u64,
+            expected_fragments: expected_fragments as u64,
             uniforms: Vec::new(),
             strands: placed
                 .iter()
@@ -409,15 +423,7 @@ impl Plan {
                 frame.hairs,
                 placed.iter().map(|placed| (placed.hair, &placed.corners)),
             ),
-            cuts: match transparency {
-                Transparency::DbkBuffer(settings) => {
-                    let segments = runs.iter().map(|run| u64::from(run.run.segments)).sum();
-                    let cut_depth = f64::from(settings.cut_depth());
-                    let pays = seen.culling_pays(cut_depth, segments);
-                    settings.cuts(seen.fragments, most_fragments(gpu), pays)
-                }
-                _ => false,
-            },
+            cuts,
             tracked: viewport.tracked(),
             origin: [left, top],
             frame_uniform: layout::Frame {
@@ -434,8 +440,8 @@ impl Plan {
                 run_rows: rows,
                 unseen: transparency.unseen(),
                 origin: [left, top],
-                key_first: keys[0],
-                word_bits: word_bits(keys, point_count),
+                key_first: word.key_first,
+                word_bits: word.bits,
                 cut_depth: transparency.cut_depth(),
                 depth_shift: transparency.depth_shift(),
                 fibre_runs: (point_count * FIBRE_POINT_VECTORS) as u32,

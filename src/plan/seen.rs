@@ -28,6 +28,18 @@ impl Seen {
         COVERED * (right - left).max(1.0) * (bottom - top).max(1.0)
     }
 
+    /// The part of the fragments that lies before an optical depth, as if all covered pixels had as many.
+    fn part_before(&self, cut_depth: f64) -> f64 {
+        (cut_depth * self.covered_px() / self.depth).min(1.0)
+    }
+
+    /// Fragments that a pool should hold where what lies behind an optical depth is cut off.
+    pub fn kept(&self, cut_depth: f64) -> f64 {
+        /// Bins are coarse, and pixels uneven: with this much no scene of the report overflows, at any opacity.
+        const SLACK: f64 = 1.5;
+        self.fragments * (SLACK * self.part_before(cut_depth)).min(1.0)
+    }
+
     /// Whether the DBK-buffer's cut-offs save more time in the resolve, which reads a pixel's list once for every sixteen fragments
     /// that it composites, than finding them takes. By what these cost on a driver that runs on two cores: on none of the report's scenes it
     /// pays; it does where a pixel has a thousand fragments, each of which hides little.
@@ -37,9 +49,9 @@ impl Seen {
         const SEGMENT: f64 = 130.0;
         const FRAGMENT: f64 = 10.0;
         let pixels = self.covered_px();
-        let (count, depth) = (self.fragments / pixels, self.depth / pixels);
+        let count = self.fragments / pixels;
         // What is composited is before the cut-off, whether that is looked for or not.
-        let stored = count * (cut_depth / depth).min(1.0);
+        let stored = count * self.part_before(cut_depth);
         let keys = (count - stored) * stored / 16.0 * pixels;
         keys * KEY > segments as f64 * SEGMENT + self.fragments * FRAGMENT
     }
@@ -188,54 +200,89 @@ pub(super) fn key_range(
     /// Keys by which single precision may miss a corner.
     const MARGIN: u32 = 64;
     let farthest = 1.0f32.to_bits();
-    let key = |p: &DVec3| {
-        let clip = |row| clip_from_relative.row(row).dot(p.extend(1.0));
-        let depth = (clip(2) / clip(3)).clamp(0.0, 1.0) as f32;
-        // A corner behind the eye: anything may be before it.
-        (clip(3) > 0.0).then(|| match reverse_z {
+    let key = |(z, w): (f64, f64)| {
+        let depth = (z / w).clamp(0.0, 1.0) as f32;
+        match reverse_z {
             true => farthest - depth.to_bits(),
             false => depth.to_bits(),
-        })
+        }
     };
-    let keys: Option<Vec<u32>> = placed
-        .iter()
-        .flat_map(|hair| &hair.corners)
-        .map(key)
-        .collect();
-    let Some((first, last)) =
-        keys.and_then(|keys| keys.iter().copied().min().zip(keys.into_iter().max()))
-    else {
-        return [0, farthest];
+    let mut range: Option<[u32; 2]> = None;
+    let mut widen = |key: u32| {
+        let [first, last] = range.unwrap_or([key, key]);
+        range = Some([first.min(key), last.max(key)]);
     };
+    for hair in placed {
+        let clip = hair.corners.map(|p| {
+            let row = |row| clip_from_relative.row(row).dot(p.extend(1.0));
+            (row(2), row(3))
+        });
+        let (seen, behind): (Vec<_>, Vec<_>) = clip.into_iter().partition(|(_, w)| *w > 0.0);
+        seen.iter().for_each(|corner| widen(key(*corner)));
+        // Towards a corner behind the eye the box comes as near as may be; and where the projection is odd it may go as far.
+        for (corner, beyond) in seen.iter().flat_map(|a| behind.iter().map(move |b| (a, b))) {
+            widen(0);
+            let part = corner.1 / (corner.1 - beyond.1);
+            let z = corner.0 + part * (beyond.0 - corner.0);
+            if (z > 0.0) != reverse_z {
+                widen(farthest);
+            }
+        }
+    }
+    let [first, last] = range.unwrap_or([0, farthest]);
     [
         first.saturating_sub(MARGIN),
         last.saturating_add(MARGIN).min(farthest),
     ]
 }
 
-/// The frame's `word_bits`: how a fragment's word of 64 bits is parted among its depth key, its point and its value; and by how many
-/// bits keys are shifted where the DBK-buffer's bins are placed.
-pub(super) fn word_bits([first, last]: [u32; 2], point_count: u64) -> u32 {
-    /// Opacity, of 11 to 16 bits, and place along the segment, of `WORD_ALONG_BITS` in WGSL.
-    const VALUE_BITS: RangeInclusive<u32> = 19..=24;
-    /// What the halves of a word leave a point at least, so that a key is all in the upper one.
-    const LEAST_POINT_BITS: u32 = 13;
-    /// Of a bin's place, `DBK_FIRST_MAX` in WGSL.
-    const BIN_BITS: u32 = 17;
-    let bits = |value: u64| u64::BITS - value.leading_zeros();
-    let point_bits = bits(point_count).max(LEAST_POINT_BITS);
-    // The greatest key is left out: no half is ever all ones.
-    let all_bits = bits(u64::from(last - first) + 2);
-    let left = (64 - point_bits).saturating_sub(all_bits);
-    let value_bits = left.clamp(*VALUE_BITS.start(), *VALUE_BITS.end());
-    let shift = all_bits.saturating_sub(64 - value_bits - point_bits);
-    let upper_point_bits = point_bits - (32 - value_bits);
-    let bin_shift = all_bits.saturating_sub(BIN_BITS);
-    shift | upper_point_bits << 8 | value_bits << 16 | bin_shift << 24
+/// How a fragment's word of 64 bits is parted among its depth key, its point and its value.
+pub(super) struct Word {
+    /// The frame's `key_first`.
+    pub key_first: u32,
+    /// The frame's `word_bits`.
+    pub bits: u32,
+}
+
+impl Word {
+    pub fn new([first, last]: [u32; 2], reverse_z: bool, point_count: u64) -> Self {
+        /// Opacity, of 11 to 16 bits, and place along the segment, of `WORD_ALONG_BITS` in WGSL.
+        const VALUE_BITS: RangeInclusive<u32> = 19..=24;
+        /// What the halves of a word leave a point at least, so that a key is all in the upper one.
+        const LEAST_POINT_BITS: u32 = 13;
+        /// Of a bin's place, `DBK_FIRST_MAX` in WGSL.
+        const BIN_BITS: u32 = 17;
+        /// Of perspective, a part of the near plane's distance behind that plane, where keys are finer than anywhere else. Where
+        /// they do not all fit in a word, these are one.
+        const AT_NEAR_PLANE: f32 = 1.0 / 128.0;
+        let bits = |value: u64| u64::BITS - value.leading_zeros();
+        // The greatest key is left out: no half is ever all ones.
+        let all = |first: u32| bits(u64::from(last - first) + 2);
+        let point_bits = bits(point_count).max(LEAST_POINT_BITS);
+        let most = 64 - point_bits - VALUE_BITS.start();
+        let at_near_plane = AT_NEAR_PLANE.to_bits().min(last);
+        let key_first = if !reverse_z && all(first) > most {
+            first.max(at_near_plane)
+        } else {
+            first
+        };
+        let all_bits = all(key_first);
+        let left = (64 - point_bits).saturating_sub(all_bits);
+        let value_bits = left.clamp(*VALUE_BITS.start(), *VALUE_BITS.end());
+        let key_shift = all_bits.saturating_sub(64 - value_bits - point_bits);
+        let upper_point_bits = point_bits - (32 - value_bits);
+        let bin_shift = all_bits.saturating_sub(BIN_BITS);
+        Self {
+            key_first,
+            bits: key_shift | upper_point_bits << 8 | value_bits << 16 | bin_shift << 24,
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec4;
+
     use super::*;
 
     #[test]
@@ -258,5 +305,95 @@ mod tests {
         assert!(pays(2_000.0, 0.02, 8_000_000));
         assert!(!pays(104.0, 0.2, 800_000));
         assert!(!pays(104.0, 0.02, 800_000));
+    }
+
+    /// Key shift, bits of the point in the upper half, bits of the value.
+    fn parts(range: [u32; 2], reverse_z: bool, point_count: u64) -> ([u32; 3], u32) {
+        let word = Word::new(range, reverse_z, point_count);
+        let part = |at: u32| word.bits >> at & 255;
+        ([part(0), part(8), part(16)], word.key_first)
+    }
+
+    #[test]
+    fn a_word_has_room_for_every_point_and_most_keys() {
+        let one = 1.0f32.to_bits();
+        let near_one = [0.98f32.to_bits(), 0.99f32.to_bits()];
+        // A head's worth at some distance: opacity has all its sixteen bits.
+        assert_eq!(parts(near_one, false, 850_000), ([0, 12, 24], near_one[0]));
+        // The most points of a frame, all depths: the value has its least bits, and keys give way.
+        assert_eq!(parts([0, one], true, 1 << 28), ([14, 16, 19], 0));
+        let ([shift, ..], first) = parts([0, one], false, 2_000_000);
+        assert_eq!((shift, first), (2, (1.0f32 / 128.0).to_bits()));
+        for point_count in [1, 2, 100, 8191, 8192, 1 << 20, 1 << 28, (1 << 30) - 1] {
+            for range in [[5, 5], [0, 64], [0, one], near_one, [one - 64, one]] {
+                for reverse_z in [false, true] {
+                    let ([shift, upper, value], first) = parts(range, reverse_z, point_count);
+                    assert!((19..=24).contains(&value));
+                    // Every point, and every key but the greatest.
+                    assert!(point_count < 1 << (upper + 32 - value));
+                    assert!(u64::from((range[1] - first) >> shift) < (1u64 << (32 - upper)) - 1);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn keys_span_what_is_before_the_eye() {
+        let hair = |centre: f64, half: f64| {
+            let corner = |i: usize, bit: usize| if i >> bit & 1 == 1 { half } else { -half };
+            Placed {
+                hair: 0,
+                instance: 0,
+                relative_from_object: DMat4::IDENTITY,
+                world_from_points: DMat4::IDENTITY,
+                previous_world_from_points: DMat4::IDENTITY,
+                half_extent: DVec3::splat(half),
+                corners: std::array::from_fn(|i| {
+                    DVec3::new(corner(i, 0), corner(i, 1), corner(i, 2) - centre)
+                }),
+                scale: 1.0,
+                radius: 0.0,
+            }
+        };
+        let [near, far] = [0.1, 100.0];
+        let one = 1.0f32.to_bits();
+        for reverse_z in [false, true] {
+            let planes = if reverse_z { [far, near] } else { [near, far] };
+            let slope = planes[1] / (planes[0] - planes[1]);
+            let clip_from_relative = DMat4::from_cols(
+                DVec4::X,
+                DVec4::Y,
+                DVec4::new(0.0, 0.0, slope, -1.0),
+                DVec4::new(0.0, 0.0, planes[0] * slope, 0.0),
+            );
+            let key = |z: f64| {
+                let clip = clip_from_relative * DVec3::new(0.0, 0.0, -z).extend(1.0);
+                let depth = (clip.z / clip.w).clamp(0.0, 1.0) as f32;
+                if reverse_z {
+                    one - depth.to_bits()
+                } else {
+                    depth.to_bits()
+                }
+            };
+            for (name, centre, half, [nearest, farthest]) in [
+                ("before the eye", 5.0, 1.0, [4.0, 6.0]),
+                ("around the eye", 1.0, 4.0, [near, 5.0]),
+                ("through the near plane", 1.0, 0.95, [near, 1.95]),
+                ("through the far plane", 90.0, 30.0, [60.0, far]),
+                ("behind the eye", -9.0, 2.0, [near, far]),
+            ] {
+                let [first, last] =
+                    key_range(&clip_from_relative, &[hair(centre, half)], reverse_z);
+                let [low, high] = [key(nearest), key(farthest)];
+                assert!(
+                    first <= low && low - first <= 200,
+                    "{name}: {first} for {low}"
+                );
+                assert!(
+                    last >= high && last - high <= 200,
+                    "{name}: {last} for {high}"
+                );
+            }
+        }
     }
 }

@@ -485,7 +485,7 @@ mod tests {
         assert!(settings.cuts(36.0e6, most, false));
         assert!(settings.cuts(26.4e6, most, true));
         let pool = DbkBuffer {
-            pool_bytes: Some(12_000_000),
+            pool_bytes: Some(1_000_000 * a_buffer::FRAGMENT_BYTES),
             ..settings
         };
         assert!(!pool.cuts(0.9e6, most, false));

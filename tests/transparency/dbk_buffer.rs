@@ -5,7 +5,7 @@ use pelage::groom::{BuiltinGroom, Strands, builtin};
 use pelage::raster::Raster;
 use pelage::transparency::a_buffer::FRAGMENT_BYTES;
 use pelage::transparency::{ABuffer, Culling, DbkBuffer, Transparency};
-use pelage::{Frame, Hair, Light, Target, wgpu};
+use pelage::{Frame, Hair, Light, Target, Viewport, wgpu};
 use pelage_reference::composite::{self, Image};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -263,6 +263,41 @@ fn a_small_pool_merges_what_it_cannot_hold() {
             );
         }
     }
+}
+
+#[test]
+fn where_most_is_culled_the_pool_is_small_from_the_first_frame_on() {
+    let Some(mut device) = device() else { return };
+    let strands = builtin(BuiltinGroom::Straight, 20_000).unwrap();
+    let mut hair = device.renderer.create_hair(&strands).unwrap();
+    hair.opacity = 0.95;
+    let (hairs, lights) = ([&hair], [sunlight()]);
+    let bounded = |culling| {
+        let settings = DbkBuffer {
+            culling,
+            ..DbkBuffer::default()
+        };
+        frame(&hairs, &lights, Transparency::DbkBuffer(settings))
+    };
+    let viewport = Viewport {
+        width: SIZE[0],
+        height: SIZE[1],
+        ..Viewport::default()
+    };
+    let [all, kept] = [Culling::Auto, Culling::Always].map(|culling| {
+        let estimate = device
+            .renderer
+            .memory_estimate(&bounded(culling), &viewport);
+        estimate.unwrap().of("pelage.transparency.fragments")
+    });
+    eprintln!("pool: {kept} bytes of {all}");
+    assert!(kept * 10 < all * 7, "{kept} bytes of {all}");
+    let (_, statistics) = render(&mut device, &bounded(Culling::Always), SIZE);
+    let fragments = statistics.fragments;
+    assert!(
+        fragments.merged == 0 && fragments.culled > 0,
+        "{fragments:?}"
+    );
 }
 
 #[test]
