@@ -946,7 +946,7 @@ typedef struct PelageABuffer {
     uint32_t raster;
     // 0.
     uint32_t reserved;
-    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    // Bytes of the fragment pool, at least 12; 0: the library estimates, and grows it within the byte budget.
     uint64_t pool_bytes;
 } PelageABuffer;
 
@@ -961,7 +961,7 @@ typedef struct PelageDbkBuffer {
     float depth_shift;
     // `PELAGE_RASTER_...`.
     uint32_t raster;
-    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    // Bytes of the fragment pool, at least 12; 0: the library estimates, and grows it within the byte budget.
     uint64_t pool_bytes;
     // `PELAGE_CULLING_...`; by a depth shift cut-offs are always looked for.
     uint32_t culling;
@@ -1033,7 +1033,7 @@ typedef struct PelageKBuffer {
     uint32_t storage;
     // `PELAGE_RASTER_...`.
     uint32_t raster;
-    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    // Bytes of the fragment pool, at least 12; 0: the library estimates, and grows it within the byte budget.
     uint64_t pool_bytes;
 } PelageKBuffer;
 
@@ -1065,7 +1065,7 @@ typedef struct PelageKBufferSinglePass {
     uint32_t raster;
     // 0.
     uint32_t reserved;
-    // Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    // Bytes of the fragment pool, at least 12; 0: the library estimates, and grows it within the byte budget.
     uint64_t pool_bytes;
 } PelageKBufferSinglePass;
 

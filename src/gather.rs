@@ -26,7 +26,8 @@ pub struct PointSource<'a> {
     /// Bytes from one position to the next: a multiple of 4, at least 12.
     pub stride: u64,
     /// The lowest and the highest corner of a box around all points, and the curves through them, in the groom's own space.
-    /// What lies outside is drawn, but its shadow may be cut off.
+    /// What lies outside is drawn, but its shadow may be cut off; and strands that lie nearer to the eye than a box of twice the size
+    /// may be drawn in another order among themselves.
     pub bounds: [DVec3; 2],
 }
 

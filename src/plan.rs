@@ -344,8 +344,15 @@ impl Plan {
         };
         let seen = view_size(&clip_from_relative, &placed, frame, width, height);
         let reverse_z = frame.view.reverse_z;
-        let keys = key_range(&clip_from_relative, &placed, reverse_z);
-        let word = Word::new(keys, reverse_z, point_count);
+        let boxes = placed.iter().map(|hair| {
+            // What the host moves on the GPU may leave its box: twice the box is room enough.
+            let moved = frame.hairs[hair.hair].geometry.gathered;
+            let half_extent = hair.half_extent * if moved { 2.0 } else { 1.0 };
+            corners(&hair.relative_from_object, half_extent)
+        });
+        let keys = key_range(&clip_from_relative, boxes, reverse_z);
+        let perspective = clip_from_relative.row(3).truncate().length() > 1e-12;
+        let word = Word::new(keys, perspective && !reverse_z, point_count);
 
         let mut flags = 0;
         if frame.view.reverse_z {
@@ -734,6 +741,7 @@ impl Plan {
             length_px: f64::from(shape.resolution),
             fragments: 0.0,
             depth: 0.0,
+            each: Vec::new(),
             bounds: [0.0; 4],
         };
         let drawings = self.map_drawings(

@@ -128,7 +128,6 @@ struct Frame {
     // The largest run's points, and the rows of workgroups of its walk.
     run_points: u32,
     run_rows: u32,
-    // Fragments of which each of the pool's two parts holds what is not their key.
     // What lies behind this transmittance is not composited.
     unseen: f32,
     // The pixel of the target that the view begins at.

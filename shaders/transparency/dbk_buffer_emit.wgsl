@@ -46,12 +46,12 @@ fn emit_end() {
     }
 }
 
-fn dbk_count(pixel: vec2u, number: u32, key: u32, opacity: f32) {
+fn dbk_count(pixel: vec2u, number: u32, key: u32, fragment: Fragment) {
     let tile = dbk_tile(dbk_column_count, pixel - vec2u(0u, dbk_row_first));
     let words = dbk_tile_words(dbk_pixel_count, tile);
     let bin = dbk_bin(key, fill[words], dbk_frame_steps);
-    // One fragment counts for no more than the tolerance asks for.
-    let depth = u32(min(optical_depth(opacity), dbk_cut_depth) * DBK_DEPTH_SCALE);
+    // Of the opacity that is stored. One fragment counts for no more than the tolerance asks for.
+    let depth = u32(min(optical_depth(word_opacity(fragment.opacity, fragment.point)), dbk_cut_depth) * DBK_DEPTH_SCALE);
     let before = atomicAdd(&overflow[number * DBK_BINS + bin], (depth << DBK_COUNT_BITS) | 1u);
     // A count that runs over is carried to the pixel, which is then not cut off at all.
     if (before & DBK_COUNT_MAX) == DBK_COUNT_MAX { atomicAdd(&links[number], DBK_COUNT_MAX + 1u); }
@@ -94,7 +94,7 @@ fn emit(pixel: vec2u, fragment: Fragment, compare: bool) {
         return;
     }
     if STAGE_BASE == STAGE_BINS {
-        dbk_count(pixel, number, key, fragment.opacity);
+        dbk_count(pixel, number, key, fragment);
     } else if STAGE_BASE == STAGE_FRONT {
         atomicMax(&overflow[number * DBK_BINS], 0xffffffffu - key);
     } else if STAGE_BASE == STAGE_KEPT {

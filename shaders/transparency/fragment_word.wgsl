@@ -35,21 +35,34 @@ fn word_opacity_most() -> u32 {
     return (1u << (word_value_bits - WORD_ALONG_BITS)) - 1u;
 }
 
+// The root keeps thin fibres' small opacities apart. It is rounded up or down by the point's hash, so that what many fragments of one
+// opacity lose by few bits is nothing on average.
+fn word_root(opacity: f32, point: u32) -> u32 {
+    let hash = f32((point * 0x9e3779b9u) >> 8u) / 16777216.0;
+    return min(u32(sqrt(opacity) * f32(word_opacity_most()) + hash), word_opacity_most());
+}
+
+// An opacity as it is stored.
+fn word_opacity(opacity: f32, point: u32) -> f32 {
+    let root = f32(word_root(opacity, point)) / f32(word_opacity_most());
+    return root * root;
+}
+
 fn word_pack(fragment: StoredFragment) -> vec2u {
     // A key outside the frame's range is that of its end.
     let key = (max(fragment.key, word_first_key) - word_first_key) >> word_key_shift;
     let most = (0xffffffffu >> word_point_bits) - 1u;
-    // The root keeps thin fibres' small opacities apart.
-    let root = u32(sqrt(fragment.opacity) * f32(word_opacity_most()) + 0.5);
     let along = u32(fragment.along * WORD_ALONG_MOST + 0.5);
     return vec2u(
         (min(key, most) << word_point_bits) | (fragment.point >> (32u - word_value_bits)),
-        (fragment.point << word_value_bits) | (root << WORD_ALONG_BITS) | along,
+        (fragment.point << word_value_bits) | (word_root(fragment.opacity, fragment.point) << WORD_ALONG_BITS) | along,
     );
 }
 
+// What may be nearer than all keys of the frame is at the eye: a depth that is written hides no more than the fragment itself.
 fn word_key(upper: u32) -> u32 {
-    return ((upper >> word_point_bits) << word_key_shift) + word_first_key;
+    let key = upper >> word_point_bits;
+    return select((key << word_key_shift) + word_first_key, 0u, key == 0u);
 }
 
 fn word_point(word: vec2u) -> u32 {

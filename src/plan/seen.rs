@@ -16,6 +16,8 @@ pub(super) struct Seen {
     pub fragments: f64,
     /// Optical depth of all fragments together.
     pub depth: f64,
+    /// Of each hair, its fragments and their optical depth.
+    pub each: Vec<[f64; 2]>,
     /// Left, top, right and bottom of the hair in pixels, within the image.
     pub bounds: [f64; 4],
 }
@@ -28,16 +30,13 @@ impl Seen {
         COVERED * (right - left).max(1.0) * (bottom - top).max(1.0)
     }
 
-    /// The part of the fragments that lies before an optical depth, as if all covered pixels had as many.
-    fn part_before(&self, cut_depth: f64) -> f64 {
-        (cut_depth * self.covered_px() / self.depth).min(1.0)
-    }
-
-    /// Fragments that a pool should hold where what lies behind an optical depth is cut off.
+    /// Fragments that a pool should hold where what lies behind an optical depth is cut off: of each hair by itself, as if it covered
+    /// all of the bounds.
     pub fn kept(&self, cut_depth: f64) -> f64 {
-        /// Bins are coarse, and pixels uneven: with this much no scene of the report overflows, at any opacity.
-        const SLACK: f64 = 1.5;
-        self.fragments * (SLACK * self.part_before(cut_depth)).min(1.0)
+        let [left, top, right, bottom] = self.bounds;
+        let area = (right - left).max(1.0) * (bottom - top).max(1.0);
+        let kept = |[fragments, depth]: &[f64; 2]| fragments * (cut_depth * area / depth).min(1.0);
+        self.each.iter().map(kept).sum()
     }
 
     /// Whether the DBK-buffer's cut-offs save more time in the resolve, which reads a pixel's list once for every sixteen fragments
@@ -49,9 +48,9 @@ impl Seen {
         const SEGMENT: f64 = 130.0;
         const FRAGMENT: f64 = 10.0;
         let pixels = self.covered_px();
-        let count = self.fragments / pixels;
+        let (count, depth) = (self.fragments / pixels, self.depth / pixels);
         // What is composited is before the cut-off, whether that is looked for or not.
-        let stored = count * self.part_before(cut_depth);
+        let stored = count * (cut_depth / depth).min(1.0);
         let keys = (count - stored) * stored / 16.0 * pixels;
         keys * KEY > segments as f64 * SEGMENT + self.fragments * FRAGMENT
     }
@@ -80,6 +79,7 @@ pub(super) fn view_size(
         length_px: 0.0,
         fragments: 0.0,
         depth: 0.0,
+        each: Vec::new(),
         bounds: [f64::INFINITY, f64::INFINITY, 0.0, 0.0],
     };
     let size = [f64::from(width), f64::from(height)];
@@ -124,8 +124,10 @@ pub(super) fn view_size(
         let touched = 2.0 * placed.radius * middle_px + 1.28;
         let fragments = length * touched * inside.max(0.05);
         let opacity = f64::from(hair.opacity) * (1.0 - 1.28 / touched);
+        let depth = fragments * -(1.0 - opacity).max(1e-7).ln();
         seen.fragments += fragments;
-        seen.depth += fragments * -(1.0 - opacity).max(1e-7).ln();
+        seen.depth += depth;
+        seen.each.push([fragments, depth]);
         for corner in placed.corners {
             let clip = *clip_from_relative * corner.extend(1.0);
             // What reaches behind the eye may be anywhere.
@@ -194,7 +196,7 @@ pub(super) fn place_of_depth(
 /// Bounds of the depth keys (see `depth_key` in WGSL) of all hair in a view.
 pub(super) fn key_range(
     clip_from_relative: &DMat4,
-    placed: &[Placed],
+    boxes: impl Iterator<Item = [DVec3; 8]>,
     reverse_z: bool,
 ) -> [u32; 2] {
     /// Keys by which single precision may miss a corner.
@@ -212,8 +214,8 @@ pub(super) fn key_range(
         let [first, last] = range.unwrap_or([key, key]);
         range = Some([first.min(key), last.max(key)]);
     };
-    for hair in placed {
-        let clip = hair.corners.map(|p| {
+    for corners in boxes {
+        let clip = corners.map(|p| {
             let row = |row| clip_from_relative.row(row).dot(p.extend(1.0));
             (row(2), row(3))
         });
@@ -245,32 +247,32 @@ pub(super) struct Word {
 }
 
 impl Word {
-    pub fn new([first, last]: [u32; 2], reverse_z: bool, point_count: u64) -> Self {
+    /// `finest_near`: whether keys are finest at the near plane, as of perspective whose depths are not reversed.
+    pub fn new([first, last]: [u32; 2], finest_near: bool, point_count: u64) -> Self {
         /// Opacity, of 11 to 16 bits, and place along the segment, of `WORD_ALONG_BITS` in WGSL.
         const VALUE_BITS: RangeInclusive<u32> = 19..=24;
         /// What the halves of a word leave a point at least, so that a key is all in the upper one.
         const LEAST_POINT_BITS: u32 = 13;
         /// Of a bin's place, `DBK_FIRST_MAX` in WGSL.
         const BIN_BITS: u32 = 17;
-        /// Of perspective, a part of the near plane's distance behind that plane, where keys are finer than anywhere else. Where
-        /// they do not all fit in a word, these are one.
-        const AT_NEAR_PLANE: f32 = 1.0 / 128.0;
+        /// Where not all keys fit and hair reaches through the near plane, these depths are one: a thousandth of that plane's
+        /// distance behind it.
+        const AT_NEAR_PLANE: f32 = 1.0 / 1024.0;
         let bits = |value: u64| u64::BITS - value.leading_zeros();
         // The greatest key is left out: no half is ever all ones.
         let all = |first: u32| bits(u64::from(last - first) + 2);
         let point_bits = bits(point_count).max(LEAST_POINT_BITS);
         let most = 64 - point_bits - VALUE_BITS.start();
-        let at_near_plane = AT_NEAR_PLANE.to_bits().min(last);
-        let key_first = if !reverse_z && all(first) > most {
-            first.max(at_near_plane)
-        } else {
-            first
-        };
+        let at_near_plane = AT_NEAR_PLANE.to_bits();
+        let clamps = finest_near && first == 0 && at_near_plane < last && all(first) > most;
+        let key_first = if clamps { at_near_plane } else { first };
         let all_bits = all(key_first);
         let left = (64 - point_bits).saturating_sub(all_bits);
         let value_bits = left.clamp(*VALUE_BITS.start(), *VALUE_BITS.end());
-        let key_shift = all_bits.saturating_sub(64 - value_bits - point_bits);
-        let upper_point_bits = point_bits - (32 - value_bits);
+        let key_bits = all_bits.min(64 - value_bits - point_bits);
+        let key_shift = all_bits - key_bits;
+        // The point has what is left.
+        let upper_point_bits = 32 - key_bits;
         let bin_shift = all_bits.saturating_sub(BIN_BITS);
         Self {
             key_first,
@@ -284,6 +286,7 @@ mod tests {
     use glam::DVec4;
 
     use super::*;
+    use crate::geometry::MAX_FRAME_POINTS;
 
     #[test]
     fn culling_pays_where_pixels_have_very_many_faint_fragments() {
@@ -295,6 +298,7 @@ mod tests {
                 length_px: 10.0,
                 fragments: 0.0,
                 depth: 0.0,
+                each: Vec::new(),
                 bounds: [0.0, 0.0, 656.0, 861.0],
             };
             seen.fragments = count * seen.covered_px();
@@ -308,8 +312,8 @@ mod tests {
     }
 
     /// Key shift, bits of the point in the upper half, bits of the value.
-    fn parts(range: [u32; 2], reverse_z: bool, point_count: u64) -> ([u32; 3], u32) {
-        let word = Word::new(range, reverse_z, point_count);
+    fn parts(range: [u32; 2], finest_near: bool, point_count: u64) -> ([u32; 3], u32) {
+        let word = Word::new(range, finest_near, point_count);
         let part = |at: u32| word.bits >> at & 255;
         ([part(0), part(8), part(16)], word.key_first)
     }
@@ -319,19 +323,23 @@ mod tests {
         let one = 1.0f32.to_bits();
         let near_one = [0.98f32.to_bits(), 0.99f32.to_bits()];
         // A head's worth at some distance: opacity has all its sixteen bits.
-        assert_eq!(parts(near_one, false, 850_000), ([0, 12, 24], near_one[0]));
+        assert_eq!(parts(near_one, false, 850_000), ([0, 14, 24], near_one[0]));
         // The most points of a frame, all depths: the value has its least bits, and keys give way.
-        assert_eq!(parts([0, one], true, 1 << 28), ([14, 16, 19], 0));
-        let ([shift, ..], first) = parts([0, one], false, 2_000_000);
-        assert_eq!((shift, first), (2, (1.0f32 / 128.0).to_bits()));
-        for point_count in [1, 2, 100, 8191, 8192, 1 << 20, 1 << 28, (1 << 30) - 1] {
+        assert_eq!(parts([0, one], false, MAX_FRAME_POINTS), ([10, 12, 19], 0));
+        let ([shift, ..], first) = parts([0, one], true, 2_000_000);
+        assert_eq!((shift, first), (3, (1.0f32 / 1024.0).to_bits()));
+        // All of the hair at the near plane: its depths are not made one.
+        let at_plane = [0, 0.0005f32.to_bits()];
+        assert_eq!(parts(at_plane, true, 2_000_000).1, 0);
+        for point_count in [1, 2, 100, 8191, 8192, 1 << 20, MAX_FRAME_POINTS, 1 << 30] {
             for range in [[5, 5], [0, 64], [0, one], near_one, [one - 64, one]] {
-                for reverse_z in [false, true] {
-                    let ([shift, upper, value], first) = parts(range, reverse_z, point_count);
-                    assert!((19..=24).contains(&value));
-                    // Every point, and every key but the greatest.
+                for finest_near in [false, true] {
+                    let ([shift, upper, value], first) = parts(range, finest_near, point_count);
+                    assert!((19..=24).contains(&value) && upper < 32);
+                    // Every point, and every key; of shifted ones the last two may be one.
                     assert!(point_count < 1 << (upper + 32 - value));
-                    assert!(u64::from((range[1] - first) >> shift) < (1u64 << (32 - upper)) - 1);
+                    assert!(u64::from((range[1] - first) >> shift) < 1u64 << (32 - upper));
+                    assert!(shift > 0 || u64::from(range[1] - first) < (1u64 << (32 - upper)) - 1);
                 }
             }
         }
@@ -341,19 +349,7 @@ mod tests {
     fn keys_span_what_is_before_the_eye() {
         let hair = |centre: f64, half: f64| {
             let corner = |i: usize, bit: usize| if i >> bit & 1 == 1 { half } else { -half };
-            Placed {
-                hair: 0,
-                instance: 0,
-                relative_from_object: DMat4::IDENTITY,
-                world_from_points: DMat4::IDENTITY,
-                previous_world_from_points: DMat4::IDENTITY,
-                half_extent: DVec3::splat(half),
-                corners: std::array::from_fn(|i| {
-                    DVec3::new(corner(i, 0), corner(i, 1), corner(i, 2) - centre)
-                }),
-                scale: 1.0,
-                radius: 0.0,
-            }
+            std::array::from_fn(|i| DVec3::new(corner(i, 0), corner(i, 1), corner(i, 2) - centre))
         };
         let [near, far] = [0.1, 100.0];
         let one = 1.0f32.to_bits();
@@ -382,8 +378,11 @@ mod tests {
                 ("through the far plane", 90.0, 30.0, [60.0, far]),
                 ("behind the eye", -9.0, 2.0, [near, far]),
             ] {
-                let [first, last] =
-                    key_range(&clip_from_relative, &[hair(centre, half)], reverse_z);
+                let [first, last] = key_range(
+                    &clip_from_relative,
+                    std::iter::once(hair(centre, half)),
+                    reverse_z,
+                );
                 let [low, high] = [key(nearest), key(farthest)];
                 assert!(
                     first <= low && low - first <= 200,

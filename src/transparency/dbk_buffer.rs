@@ -149,7 +149,9 @@ pub struct DbkBuffer {
     pub depth_shift: Option<f32>,
     /// The rasteriser.
     pub raster: Raster,
-    /// Bytes of the fragment pool. `None`: the library estimates, and grows it within the byte budget.
+    /// Bytes of the fragment pool. `None`: the library estimates, and grows it within the byte budget. Where cut-offs are looked
+    /// for by `epsilon` it estimates what is kept: should a first frame keep more, what does not fit is merged, as in a pool that
+    /// is too small, and the next frames' pool holds it.
     pub pool_bytes: Option<u64>,
 }
 
@@ -181,7 +183,7 @@ impl DbkBuffer {
         validate_pool("dbk_buffer", self.pool_bytes)
     }
 
-    /// The optical depth at which a pixel is cut off: a little more than -ln ε, for the rounding of stored opacities.
+    /// The optical depth at which a pixel is cut off: a little more than -ln ε, for the rounding of optical depths.
     pub(crate) fn cut_depth(&self) -> f32 {
         -self.epsilon.ln() * 1.001
     }

@@ -110,7 +110,7 @@ pub struct PelageABuffer {
     pub raster: u32,
     /// 0.
     pub reserved: u32,
-    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    /// Bytes of the fragment pool, at least 12; 0: the library estimates, and grows it within the byte budget.
     pub pool_bytes: u64,
 }
 
@@ -141,7 +141,7 @@ pub struct PelageDbkBuffer {
     pub depth_shift: f32,
     /// `PELAGE_RASTER_…`.
     pub raster: u32,
-    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    /// Bytes of the fragment pool, at least 12; 0: the library estimates, and grows it within the byte budget.
     pub pool_bytes: u64,
     /// `PELAGE_CULLING_…`; by a depth shift cut-offs are always looked for.
     pub culling: u32,
@@ -298,7 +298,7 @@ pub struct PelageKBuffer {
     pub storage: u32,
     /// `PELAGE_RASTER_…`.
     pub raster: u32,
-    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    /// Bytes of the fragment pool, at least 12; 0: the library estimates, and grows it within the byte budget.
     pub pool_bytes: u64,
 }
 
@@ -364,7 +364,7 @@ pub struct PelageKBufferSinglePass {
     pub raster: u32,
     /// 0.
     pub reserved: u32,
-    /// Bytes of the fragment pool, at least 16; 0: the library estimates, and grows it within the byte budget.
+    /// Bytes of the fragment pool, at least 12; 0: the library estimates, and grows it within the byte budget.
     pub pool_bytes: u64,
 }
 
