@@ -5,6 +5,8 @@
 //
 // Neither half is ever all ones: no key is, and no place along a segment.
 
+// As `VALUE_BITS` in Rust.
+const WORD_VALUE_BITS_MOST: u32 = 24u;
 const WORD_ALONG_BITS: u32 = 8u;
 const WORD_ALONG_MASK: u32 = 255u;
 const WORD_ALONG_MOST: f32 = 254.0;
@@ -35,10 +37,10 @@ fn word_opacity_most() -> u32 {
     return (1u << (word_value_bits - WORD_ALONG_BITS)) - 1u;
 }
 
-// The root keeps thin fibres' small opacities apart. It is rounded up or down by the point's hash, so that what many fragments of one
-// opacity lose by few bits is nothing on average.
+// The root keeps thin fibres' small opacities apart. Where it has fewer than sixteen bits it is rounded up or down by the point's
+// hash, so that what many fragments of one opacity lose is nothing on average.
 fn word_root(opacity: f32, point: u32) -> u32 {
-    let hash = f32((point * 0x9e3779b9u) >> 8u) / 16777216.0;
+    let hash = select(f32((point * 0x9e3779b9u) >> 8u) / 16777216.0, 0.5, word_value_bits == WORD_VALUE_BITS_MOST);
     return min(u32(sqrt(opacity) * f32(word_opacity_most()) + hash), word_opacity_most());
 }
 
