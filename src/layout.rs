@@ -30,6 +30,9 @@ pub const MATERIAL_VECTORS: usize = 16;
 /// Vectors of a point, and of a run, in the pool of per-fragment shading; the same in WGSL.
 pub const FIBRE_POINT_VECTORS: u64 = 2;
 pub const FIBRE_RUN_VECTORS: u64 = 17;
+/// Bits of a stored fragment's place along its segment, and of place and opacity at most; the same in WGSL.
+pub const WORD_ALONG_BITS: u32 = 8;
+pub const WORD_VALUE_BITS_MOST: u32 = WORD_ALONG_BITS + 16;
 /// Keys by which segments are ordered; `ORDER_KEYS` in WGSL.
 pub const ORDER_KEYS: u64 = 2048;
 /// Parts of a dispatch whose work is spread; `SPREAD_PARTS` in WGSL.

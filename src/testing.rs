@@ -620,6 +620,8 @@ pub fn shared_constants() -> Vec<(&'static str, u32)> {
         ("MATERIAL_VECTORS", layout::MATERIAL_VECTORS as u32),
         ("FIBRE_POINT_VECTORS", layout::FIBRE_POINT_VECTORS as u32),
         ("FIBRE_RUN_VECTORS", layout::FIBRE_RUN_VECTORS as u32),
+        ("WORD_ALONG_BITS", layout::WORD_ALONG_BITS),
+        ("WORD_VALUE_BITS_MOST", layout::WORD_VALUE_BITS_MOST),
         ("ORDER_KEYS", layout::ORDER_KEYS as u32),
         ("SPREAD_PARTS", layout::SPREAD_PARTS),
     ]

@@ -144,9 +144,10 @@ fn every_shared_struct_is_compared() {
 
 #[test]
 fn shared_constants_have_the_same_values_in_rust_and_wgsl() {
-    let files: [&[&str]; 3] = [
+    let files: [&[&str]; 4] = [
         &["common/scan"],
         &["transparency/overflow"],
+        &["transparency/fragment_word"],
         &["common/order"],
     ];
     let sources = files.map(testing::module_source);

@@ -5,7 +5,6 @@
 //
 // Neither half is ever all ones: no key is, and no place along a segment.
 
-// As `VALUE_BITS` in Rust.
 const WORD_VALUE_BITS_MOST: u32 = 24u;
 const WORD_ALONG_BITS: u32 = 8u;
 const WORD_ALONG_MASK: u32 = 255u;

@@ -6,6 +6,7 @@ use glam::{DMat4, DVec3};
 
 use super::{PIXELS_AN_INVOCATION, Placed};
 use crate::frame::Frame;
+use crate::layout::{WORD_ALONG_BITS, WORD_VALUE_BITS_MOST};
 
 /// How large the hair is on the screen.
 pub(super) struct Seen {
@@ -219,10 +220,11 @@ pub(super) fn key_range(
             let row = |row| clip_from_relative.row(row).dot(p.extend(1.0));
             (row(2), row(3))
         });
-        let (seen, behind): (Vec<_>, Vec<_>) = clip.into_iter().partition(|(_, w)| *w > 0.0);
-        seen.iter().for_each(|corner| widen(key(*corner)));
+        let seen = || clip.iter().filter(|(_, w)| *w > 0.0);
+        let behind = || clip.iter().filter(|(_, w)| *w <= 0.0);
+        seen().for_each(|corner| widen(key(*corner)));
         // Towards a corner behind the eye the box comes as near as may be; and where the projection is odd it may go as far.
-        for (corner, beyond) in seen.iter().flat_map(|a| behind.iter().map(move |b| (a, b))) {
+        for (corner, beyond) in seen().flat_map(|a| behind().map(move |b| (a, b))) {
             widen(0);
             let part = corner.1 / (corner.1 - beyond.1);
             let z = corner.0 + part * (beyond.0 - corner.0);
@@ -249,8 +251,8 @@ pub(super) struct Word {
 impl Word {
     /// `finest_near`: whether keys are finest at the near plane, as of perspective whose depths are not reversed.
     pub fn new([first, last]: [u32; 2], finest_near: bool, point_count: u64) -> Self {
-        /// Opacity, of 11 to 16 bits, and place along the segment, of `WORD_ALONG_BITS` in WGSL.
-        const VALUE_BITS: RangeInclusive<u32> = 19..=24;
+        /// Opacity, of 11 to 16 bits, and place along the segment.
+        const VALUE_BITS: RangeInclusive<u32> = WORD_ALONG_BITS + 11..=WORD_VALUE_BITS_MOST;
         /// What the halves of a word leave a point at least, so that a key is all in the upper one.
         const LEAST_POINT_BITS: u32 = 13;
         /// Of a bin's place, `DBK_FIRST_MAX` in WGSL.

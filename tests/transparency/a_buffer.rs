@@ -282,6 +282,7 @@ fn words_with_little_room_keep_the_order() {
             });
             let [alone, both] = images;
             let name = format!("little room, reversed {}, {storage:?}", view.reverse_z);
+            assert!(both.pixels != alone.pixels, "{name}: words had room");
             assert_close(&name, &both, &alone, PROMISED);
         }
     }
